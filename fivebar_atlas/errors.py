@@ -1,0 +1,80 @@
+"""The errors a user can cause or meet, as types.
+
+Every error carries a finished, one-sentence message and the exit code that the
+command line returns for it: 2 where the input was wrong, 1 where the work failed.
+Nothing here knows the command line; it only says what went wrong.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from typing import Any
+
+
+class AtlasError(Exception):
+    """Base of everything this package raises on purpose.
+
+    Attributes
+    ----------
+    exit_code
+        Exit code of the process when the error reaches the command line.
+    """
+
+    exit_code = 1
+
+
+class InputError(AtlasError, ValueError):
+    """A value given by the user is not allowed.
+
+    Parameters
+    ----------
+    name
+        Name of the input as the user wrote it (an option, an argument, a dotted key).
+    value
+        The value that was given.
+    allowed
+        What would have been allowed, as a phrase: ``"a number from 1e-10 to 1e-3"``.
+    """
+
+    exit_code = 2
+
+    def __init__(self, name: str, value: Any, allowed: str) -> None:
+        super().__init__(f"{name}: {value!r} is not allowed; expected {allowed}")
+        self.name = name
+        self.value = value
+        self.allowed = allowed
+
+
+class UnknownNameError(InputError):
+    """A name is not among those there are; the nearest known one is offered."""
+
+    def __init__(self, name: str, value: str, known: Iterable[str]) -> None:
+        known = list(known)
+        near = difflib.get_close_matches(str(value), known, n=1)
+        hint = f" (did you mean {near[0]!r}?)" if near else ""
+        super().__init__(name, value, f"one of {', '.join(known)}{hint}")
+        self.known = known
+
+
+class FileError(AtlasError):
+    """A file cannot be read, is not what it should be, or cannot be written.
+
+    Parameters
+    ----------
+    path
+        The file or folder.
+    reason
+        What is wrong with it and what to do, as a phrase.
+    """
+
+    def __init__(self, path: object, reason: str) -> None:
+        super().__init__(f"{path}: {reason}")
+        self.path = str(path)
+        self.reason = reason
+
+
+class FileUsageError(FileError):
+    """A file was named that cannot be meant: missing input, output that exists already."""
+
+    exit_code = 2

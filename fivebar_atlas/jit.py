@@ -1,0 +1,94 @@
+"""The only place that names numba flags and the folder of compiled kernels.
+
+numba keys a cached kernel by the source file that defines it. A kernel that calls one
+in another file would therefore be served stale after that other file changed. Here the
+cache folder is keyed by a hash of *all* kernel sources instead; the same hash is stored
+in every result file.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+
+Kernel = TypeVar("Kernel", bound=Callable[..., Any])
+
+#: Reassociation lets sums vectorise; NaN and infinity keep their meaning (no ``nnan``).
+FASTMATH = frozenset({"contract", "arcp", "nsz", "reassoc"})
+
+_PACKAGE = Path(__file__).parent
+_SOURCES = ("jit.py", "numerics/*.py", "mechanisms/*/*.py")
+
+
+@functools.cache
+def kernel_hash() -> str:
+    """Return a short SHA-256 over the sources of all kernels.
+
+    Returns
+    -------
+    str
+        Sixteen hexadecimal digits; they change whenever any kernel's source does.
+    """
+    digest = hashlib.sha256()
+    for pattern in _SOURCES:
+        for source in sorted(_PACKAGE.glob(pattern)):
+            digest.update(source.relative_to(_PACKAGE).as_posix().encode())
+            digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@functools.cache
+def cache_folder() -> Path | None:
+    """Return the folder of compiled kernels, or None where nothing is writable.
+
+    ``NUMBA_CACHE_DIR`` is respected; otherwise the folder lies below the user's cache
+    directory (``XDG_CACHE_HOME``, by default ``~/.cache``).
+    """
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    if chosen:
+        base = Path(chosen)
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
+    folder = base / "fivebar-atlas" / f"{kernel_hash()}-numba{numba.__version__}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError:
+        return None
+    return folder
+
+
+def kernel(function: Kernel) -> Kernel:
+    """Compile a kernel: no exceptions from arithmetic, no GIL, cached between processes.
+
+    Parameters
+    ----------
+    function
+        Plain Python function on scalars and arrays, first run with concrete types.
+
+    Returns
+    -------
+    Kernel
+        The compiled dispatcher, or the function itself where ``NUMBA_DISABLE_JIT`` is set.
+    """
+    folder = cache_folder()
+    previous = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder) if folder else previous
+    try:
+        compiled = numba.njit(
+            cache=folder is not None,
+            nogil=True,
+            error_model="numpy",
+            fastmath=set(FASTMATH),
+        )(function)
+    finally:
+        numba.config.CACHE_DIR = previous
+    return cast(Kernel, compiled)

@@ -1,0 +1,334 @@
+"""What a mechanism offers to everything above it.
+
+A mechanism is a folder with a :class:`Mechanism` in it and one line in the registry
+(``mechanisms/__init__.py``). Sweeps, files, figures and commands know only what is
+declared here: parameters, quantities with units, the axes a quantity runs over, a design
+lattice, a batch evaluator and a chart to draw the design space on.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fivebar_atlas.errors import InputError, UnknownNameError
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+DESIGN = "design"
+MODE = "mode"
+THRESHOLD = "threshold"
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Parameter:
+    """One design parameter, an axis of the design space.
+
+    Attributes
+    ----------
+    name
+        Name of the dataset and in conditions, e.g. ``"r1"``.
+    symbol
+        The field's notation as mathtext, e.g. ``"$r_1$"``.
+    unit
+        Unit, ``"1"`` where non-dimensional.
+    long_name
+        What it is, in a phrase.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    long_name: str
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Flags:
+    """Meanings of an integer quantity, as CF ``flag_values`` or ``flag_masks``.
+
+    Attributes
+    ----------
+    values
+        The integers.
+    meanings
+        One identifier for each of ``values``.
+    masks
+        True where the values are bits that may be set together.
+    """
+
+    values: tuple[int, ...]
+    meanings: tuple[str, ...]
+    masks: bool = False
+
+    def describe(self, value: int) -> str:
+        """Return the meaning of a stored value; several bits are joined by ``", "``."""
+        if not self.masks:
+            return self.meanings[self.values.index(value)]
+        if value == 0:
+            return "ok"
+        pairs = zip(self.values, self.meanings, strict=True)
+        return ", ".join(meaning for bit, meaning in pairs if value & bit)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Quantity:
+    """One computed quantity.
+
+    Attributes
+    ----------
+    name
+        Name of the dataset, a standard term of the field.
+    symbol
+        Notation as mathtext, for colour bars.
+    unit
+        Unit, ``"1"`` where non-dimensional.
+    long_name
+        What it is, in a phrase.
+    dimensions
+        The axes it runs over, the design axis first.
+    has_error
+        Whether a companion ``<name>_error`` (absolute error estimate) exists.
+    length_power
+        Power of the dimensional factor D that scales it to a machine (areas: 2).
+    flags
+        Meanings, for an integer quantity; None for a floating-point one.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    long_name: str
+    dimensions: tuple[str, ...] = (DESIGN,)
+    has_error: bool = False
+    length_power: int = 0
+    flags: Flags | None = None
+
+    @property
+    def error_name(self) -> str:
+        """Name of the companion dataset with the absolute error estimate."""
+        return f"{self.name}_error"
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Stored type: float64, or int8/int16 for flags."""
+        if self.flags is None:
+            return np.dtype(np.float64)
+        return np.dtype(np.int8 if max(self.flags.values) < 128 else np.int16)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class AxisColumn:
+    """One labelled column along a non-design axis (``working_mode`` along ``mode``)."""
+
+    name: str
+    values: npt.NDArray[Any]
+    unit: str
+    long_name: str
+    flags: Flags | None = None
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Axis:
+    """A non-design axis of the results.
+
+    Attributes
+    ----------
+    name
+        Name of the dimension: ``"mode"``, ``"threshold"``.
+    labels
+        One text for each entry, as the user writes it: ``"+-/up"``, ``"0.5"``.
+    columns
+        The datasets that describe the entries.
+    """
+
+    name: str
+    labels: tuple[str, ...]
+    columns: tuple[AxisColumn, ...]
+
+    def __len__(self) -> int:
+        return len(self.labels)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class SweepSettings:
+    """What a sweep computes; it, and nothing else, determines the numbers.
+
+    Attributes
+    ----------
+    mechanism
+        Name of the mechanism.
+    space
+        Name of the design space.
+    resolution
+        Number of lattice steps N.
+    modes
+        Canonical labels of the mode pairs, in the order asked for.
+    lci_thresholds
+        Thresholds of the good-condition workspace, each in (0, 1).
+    tolerance
+        Relative tolerance of every integrated quantity.
+    """
+
+    mechanism: str
+    space: str
+    resolution: int
+    modes: tuple[str, ...]
+    lci_thresholds: tuple[float, ...]
+    tolerance: float
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class ChartTick:
+    """A tick of a chart axis: its label, its foot and the outward direction."""
+
+    label: str
+    x: float
+    y: float
+    dx: float
+    dy: float
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class ChartAxis:
+    """One parameter's axis along a side of the chart.
+
+    Attributes
+    ----------
+    label
+        Mathtext label.
+    label_x, label_y
+        Where the label stands, in chart coordinates.
+    rotation
+        Rotation of the label in degrees.
+    ticks
+        The ticks, feet on the side.
+    """
+
+    label: str
+    label_x: float
+    label_y: float
+    rotation: float
+    ticks: tuple[ChartTick, ...]
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class ChartRegion:
+    """A named sub-region of the design space and where its name is written."""
+
+    name: str
+    x: float
+    y: float
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class DesignChart:
+    """How a design space is drawn in the plane (aspect ratio 1).
+
+    Attributes
+    ----------
+    outline
+        Closed polygon, shape (k, 2).
+    axes
+        One axis for each drawn parameter.
+    borders
+        Polylines between sub-regions, each of shape (k, 2).
+    regions
+        Names of the sub-regions with the places where they are written.
+    """
+
+    outline: FloatArray
+    axes: tuple[ChartAxis, ...]
+    borders: tuple[FloatArray, ...]
+    regions: tuple[ChartRegion, ...]
+
+
+class Mechanism(ABC):
+    """A mechanism: a design space, its modes, its quantities and their evaluator."""
+
+    #: Name on the command line and in files.
+    name: str
+    #: Full name for titles and help.
+    title: str
+    #: The paper the definitions come from.
+    source: str
+    #: Design parameters, in the order of the columns of a parameter array.
+    parameters: tuple[Parameter, ...]
+    #: Everything the evaluator computes, error companions not listed separately.
+    quantities: tuple[Quantity, ...]
+    #: Canonical labels of all mode pairs, the default first.
+    modes: tuple[str, ...]
+    #: Names of the design spaces, the default first.
+    spaces: tuple[str, ...]
+    #: Least and largest lattice resolution.
+    resolution_range: tuple[int, int]
+    #: Tightest and loosest tolerance.
+    tolerance_range: tuple[float, float] = (1e-10, 1e-3)
+
+    @abstractmethod
+    def parse_mode(self, text: str) -> str:
+        """Return the canonical label of a mode pair; raise UnknownNameError."""
+
+    @abstractmethod
+    def lattice(self, space: str, resolution: int) -> FloatArray:
+        """Return every design of the lattice, shape (designs, parameters), in a fixed order."""
+
+    @abstractmethod
+    def triangles(self, space: str, resolution: int) -> IntArray:
+        """Return the triangulation of the lattice, indices of shape (triangles, 3)."""
+
+    @abstractmethod
+    def axes(self, settings: SweepSettings) -> tuple[Axis, ...]:
+        """Return the non-design axes of the results, in the order of the dimensions."""
+
+    @abstractmethod
+    def evaluate(
+        self, parameters: FloatArray, settings: SweepSettings
+    ) -> dict[str, npt.NDArray[Any]]:
+        """Evaluate designs; releases the GIL while it computes.
+
+        Parameters
+        ----------
+        parameters
+            Designs, shape (designs, parameters).
+        settings
+            Modes, thresholds and tolerance; space and resolution are not used.
+
+        Returns
+        -------
+        dict
+            One array for every quantity and every error companion, with the shape of the
+            quantity's dimensions. What does not exist is NaN and explained by ``status``.
+        """
+
+    @abstractmethod
+    def project(self, parameters: FloatArray) -> FloatArray:
+        """Return chart coordinates, shape (designs, 2), of designs."""
+
+    @abstractmethod
+    def chart(self, space: str) -> DesignChart:
+        """Return how the design space is drawn."""
+
+    def quantity(self, name: str) -> Quantity:
+        """Return the quantity of this name; raise UnknownNameError."""
+        for quantity in self.quantities:
+            if quantity.name == name:
+                return quantity
+        raise UnknownNameError("quantity", name, [q.name for q in self.quantities])
+
+    def parse_modes(self, texts: Sequence[str], name: str = "mode") -> tuple[str, ...]:
+        """Return canonical labels, ``"all"`` expanded and repetitions dropped."""
+        labels: list[str] = []
+        for text in texts:
+            labels.extend(self.modes if text == "all" else [self.parse_mode(text)])
+        if not labels:
+            raise InputError(name, list(texts), "at least one mode pair")
+        return tuple(dict.fromkeys(labels))
+
+
+Results = Mapping[str, npt.NDArray[Any]]
