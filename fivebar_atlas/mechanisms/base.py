@@ -21,6 +21,9 @@ from fivebar_atlas.errors import InputError, UnknownNameError
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
+#: Arrays by the name of their quantity or error companion.
+Results = Mapping[str, npt.NDArray[Any]]
+
 DESIGN = "design"
 MODE = "mode"
 THRESHOLD = "threshold"
@@ -116,10 +119,10 @@ class Quantity:
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """Stored type: float64, or int8/int16 for flags."""
+        """Stored type: float64; for flags int8, or int16 where they are bits of a mask."""
         if self.flags is None:
             return np.dtype(np.float64)
-        return np.dtype(np.int8 if max(self.flags.values) < 128 else np.int16)
+        return np.dtype(np.int16 if self.flags.masks else np.int8)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -314,6 +317,71 @@ class Mechanism(ABC):
     def chart(self, space: str) -> DesignChart:
         """Return how the design space is drawn."""
 
+    def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
+        """Return one design as non-dimensional parameters and its dimensional factor D.
+
+        Parameters
+        ----------
+        lengths
+            One number for each parameter, dimensional or not.
+
+        Returns
+        -------
+        parameters : ndarray
+            Shape (parameters,).
+        factor : float
+            Multiplying lengths by it gives the machine; here, where a mechanism does not
+            say how its parameters scale, 1.
+
+        Raises
+        ------
+        InputError
+            If the numbers are not finite, too many or too few, or make no mechanism.
+        """
+        self.check_count(lengths)
+        for parameter, value in zip(self.parameters, lengths, strict=True):
+            if not np.isfinite(value):
+                raise InputError(parameter.name, value, "a finite number")
+        return np.array(lengths, dtype=np.float64), 1.0
+
+    def check_count(self, lengths: Sequence[float]) -> None:
+        """Raise InputError unless there is one number for each parameter."""
+        if len(lengths) != len(self.parameters):
+            names = " ".join(parameter.name for parameter in self.parameters)
+            raise InputError("design", list(lengths), f"{len(self.parameters)} numbers: {names}")
+
+    def document(
+        self, parameters: FloatArray, factor: float, settings: SweepSettings, results: Results
+    ) -> dict[str, Any]:
+        """Return everything known of one design as nested dictionaries, ready for JSON.
+
+        Parameters
+        ----------
+        parameters, factor
+            What :meth:`from_lengths` returned.
+        settings
+            What the results were computed with.
+        results
+            What :meth:`evaluate` returned for the one design.
+
+        Returns
+        -------
+        dict
+            Numbers, texts, lists and dictionaries; what does not exist is None.
+        """
+        document: dict[str, Any] = {
+            parameter.name: float(value)
+            for parameter, value in zip(self.parameters, parameters, strict=True)
+        }
+        document["dimensional_factor"] = factor
+        for axis in self.axes(settings):
+            document[axis.name] = list(axis.labels)
+        for quantity in self.quantities:
+            document[quantity.name] = plain(results[quantity.name][0], quantity.flags)
+            if quantity.has_error:
+                document[quantity.error_name] = plain(results[quantity.error_name][0])
+        return document
+
     def quantity(self, name: str) -> Quantity:
         """Return the quantity of this name; raise UnknownNameError."""
         for quantity in self.quantities:
@@ -331,4 +399,10 @@ class Mechanism(ABC):
         return tuple(dict.fromkeys(labels))
 
 
-Results = Mapping[str, npt.NDArray[Any]]
+def plain(value: Any, flags: Flags | None = None) -> Any:
+    """Return a value or an array as JSON knows it: NaN is None, a flag is its meaning."""
+    if np.ndim(value):
+        return [plain(entry, flags) for entry in value]
+    if flags is not None:
+        return flags.describe(int(value))
+    return float(value) if np.isfinite(value) else None
