@@ -1,0 +1,70 @@
+"""Make the pictures of the gallery by running the commands the gallery shows.
+
+The commands are read from the page itself, so what is printed there is what was run:
+every line of a ``console`` block that starts with ``$ atlas``, continued over lines that
+end with a backslash. A picture is made again only when the page, or the package, is newer.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+_BLOCK = re.compile(r"^```console\n(.*?)^```", re.MULTILINE | re.DOTALL)
+_ATLAS = [sys.executable, "-c", "from fivebar_atlas.cli import main; main()"]
+
+
+def commands(text: str) -> list[list[str]]:
+    """Return the arguments of every ``atlas`` command in a page, in their order."""
+    found = []
+    for block in _BLOCK.findall(text):
+        for line in block.replace("\\\n", " ").splitlines():
+            if line.startswith("$ atlas "):
+                found.append(shlex.split(line.removeprefix("$ atlas ")))
+    return found
+
+
+def make(page: Path, folder: Path) -> None:
+    """Run the commands of a page in a folder; fail on the first that fails.
+
+    Parameters
+    ----------
+    page
+        The Markdown page with the commands.
+    folder
+        Where they run, and so where their outputs are; made if it is missing.
+
+    Raises
+    ------
+    RuntimeError
+        If a command fails; the message carries what it printed.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    package = Path(__file__).parent.parent / "fivebar_atlas"
+    newest = max(
+        file.stat().st_mtime for file in [page, Path(__file__), *package.rglob("*.py")]
+    )
+    for arguments in commands(page.read_text(encoding="utf-8")):
+        output = _output(arguments)
+        if output is not None:
+            target = folder / output
+            if target.exists() and target.stat().st_mtime > newest:
+                continue
+            arguments = [*arguments, "--overwrite"]
+        done = subprocess.run(
+            [*_ATLAS, *arguments], cwd=folder, capture_output=True, text=True, check=False
+        )
+        if done.returncode:
+            raise RuntimeError(f"atlas {shlex.join(arguments)} failed:\n{done.stderr}")
+
+
+def _output(arguments: list[str]) -> str | None:
+    return arguments[arguments.index("-o") + 1] if "-o" in arguments else None
+
+
+if __name__ == "__main__":
+    here = Path(__file__).parent
+    make(here / "gallery.md", here / "_generated" / "gallery")
