@@ -317,6 +317,31 @@ class Mechanism(ABC):
     def chart(self, space: str) -> DesignChart:
         """Return how the design space is drawn."""
 
+    def check_space(self, space: str, name: str = "space") -> None:
+        """Raise UnknownNameError unless there is a design space of this name."""
+        if space not in self.spaces:
+            raise UnknownNameError(name, space, self.spaces)
+
+    def check_resolution(self, resolution: int, name: str = "resolution") -> None:
+        """Raise InputError unless a lattice of this resolution can be swept."""
+        least, greatest = self.resolution_range
+        if not least <= resolution <= greatest:
+            raise InputError(name, resolution, f"an integer from {least} to {greatest}")
+
+    def check_tolerance(self, tolerance: float, name: str = "tolerance") -> None:
+        """Raise InputError unless the tolerance can be asked for."""
+        least, greatest = self.tolerance_range
+        if not least <= tolerance <= greatest:
+            raise InputError(name, tolerance, f"a number from {least:g} to {greatest:g}")
+
+    def check_thresholds(self, thresholds: Sequence[float], name: str = "lci") -> None:
+        """Raise InputError unless the thresholds lie between 0 and 1 and differ."""
+        for threshold in thresholds:
+            if not 0.0 < threshold < 1.0:
+                raise InputError(name, threshold, "a number above 0 and below 1")
+        if not thresholds or len(set(thresholds)) < len(thresholds):
+            raise InputError(name, list(thresholds), "at least one threshold, none given twice")
+
     def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
         """Return one design as non-dimensional parameters and its dimensional factor D.
 
@@ -393,7 +418,11 @@ class Mechanism(ABC):
         """Return canonical labels, ``"all"`` expanded and repetitions dropped."""
         labels: list[str] = []
         for text in texts:
-            labels.extend(self.modes if text == "all" else [self.parse_mode(text)])
+            try:
+                labels.extend(self.modes if text == "all" else [self.parse_mode(text)])
+            except UnknownNameError:
+                # Under the name that the user gave the value by.
+                raise UnknownNameError(name, text, [*self.modes, "all"]) from None
         if not labels:
             raise InputError(name, list(texts), "at least one mode pair")
         return tuple(dict.fromkeys(labels))

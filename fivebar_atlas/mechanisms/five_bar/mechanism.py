@@ -264,7 +264,7 @@ class FiveBarMechanism(Mechanism):
         Non-dimensional values come first; ``dimensional`` repeats all lengths times D and
         all areas times the square of D.
         """
-        document = {
+        document: dict[str, Any] = {
             "r1": float(parameters[0]),
             "r2": float(parameters[1]),
             "r3": float(parameters[2]),
