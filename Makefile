@@ -70,9 +70,10 @@ docs: $(VENV)/.extra-docs ## Build the documentation; a warning is an error
 .PHONY: atlases
 atlases: $(RESULTS) $(PICTURES) ## Every configuration: sweep to HDF5, then the figures
 
+# A sweep that was interrupted goes on with its finished blocks.
 $(OUT)/%.h5: configs/%.toml | $(ATLAS)
 	@mkdir -p $(OUT)
-	$(ATLAS) sweep $< -o $@ --overwrite $(SWEEP_OPTIONS)
+	$(ATLAS) sweep $< -o $@ $(if $(wildcard $@.partial),--resume) --overwrite $(SWEEP_OPTIONS)
 
 # What a kind of figure needs beyond the file and the output.
 options_region = $(REGION)
