@@ -11,12 +11,11 @@ import functools
 from collections.abc import Container, Iterator
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.executors import Executor
-from fivebar_atlas.mechanisms.base import DESIGN, FloatArray, Mechanism, Quantity, SweepSettings
+from fivebar_atlas.mechanisms.base import FloatArray, Mechanism, ResultArray, SweepSettings
 
 # A sweep has about this many blocks, for smooth progress, as long as a block is neither so
 # small that handling it costs more than computing it, nor so large that an interruption
@@ -103,41 +102,28 @@ class Sweep:
         ValueError
             If the mechanism does not return what it declares.
         """
-        shapes = result_shapes(self.mechanism, self.settings)
-        evaluate = functools.partial(self._evaluate, shapes=shapes)
+        declared = self.mechanism.result_arrays(self.settings)
+        evaluate = functools.partial(self._evaluate, declared=declared)
         remaining = (block for block in self.blocks if block.index not in finished)
         for block, arrays in executor.run(evaluate, remaining):
             yield BlockResults(block, arrays)
 
     def _evaluate(
-        self, block: Block, shapes: dict[str, tuple[Quantity, tuple[int, ...]]]
+        self, block: Block, declared: tuple[ResultArray, ...]
     ) -> dict[str, npt.NDArray[Any]]:
         """Return the results of a block, in the types and shapes declared."""
         designs = self.designs[block.start : block.stop]
         results = self.mechanism.evaluate(designs, self.settings)
         arrays: dict[str, npt.NDArray[Any]] = {}
-        for name, (quantity, shape) in shapes.items():
-            dtype = quantity.dtype if name == quantity.name else np.dtype(np.float64)
-            if name not in results:
-                raise ValueError(f"{self.mechanism.name} returned no {name!r}")
-            if results[name].shape != (len(designs), *shape):
+        for array in declared:
+            if array.name not in results:
+                raise ValueError(f"{self.mechanism.name} returned no {array.name!r}")
+            values = results[array.name]
+            shape = (len(designs), *array.lengths)
+            if values.shape != shape:
                 raise ValueError(
-                    f"{self.mechanism.name} returned {name!r} of shape {results[name].shape}; "
-                    f"declared is {(len(designs), *shape)}"
+                    f"{self.mechanism.name} returned {array.name!r} of shape {values.shape}; "
+                    f"declared is {shape}"
                 )
-            arrays[name] = results[name].astype(dtype, casting="same_kind", copy=False)
+            arrays[array.name] = values.astype(array.dtype, casting="same_kind", copy=False)
         return arrays
-
-
-def result_shapes(
-    mechanism: Mechanism, settings: SweepSettings
-) -> dict[str, tuple[Quantity, tuple[int, ...]]]:
-    """Return the quantity behind each result array and the array's shape for one design."""
-    lengths = {axis.name: len(axis) for axis in mechanism.axes(settings)}
-    shapes: dict[str, tuple[Quantity, tuple[int, ...]]] = {}
-    for quantity in mechanism.quantities:
-        shape = tuple(lengths[name] for name in quantity.dimensions if name != DESIGN)
-        shapes[quantity.name] = quantity, shape
-        if quantity.has_error:
-            shapes[quantity.error_name] = quantity, shape
-    return shapes

@@ -126,6 +126,36 @@ class Quantity:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class ResultArray:
+    """One array that an evaluator returns: a quantity, or the error companion of one.
+
+    Attributes
+    ----------
+    name
+        Name of the array.
+    quantity
+        The quantity it belongs to.
+    lengths
+        Lengths of its axes after the design axis.
+    dtype
+        Stored type.
+    long_name
+        What it is, in a phrase.
+    """
+
+    name: str
+    quantity: Quantity
+    lengths: tuple[int, ...]
+    dtype: np.dtype[Any]
+    long_name: str
+
+    @property
+    def is_error(self) -> bool:
+        """Whether it is the error companion of its quantity."""
+        return self.name != self.quantity.name
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class AxisColumn:
     """One labelled column along a non-design axis (``working_mode`` along ``mode``)."""
 
@@ -317,6 +347,22 @@ class Mechanism(ABC):
     def chart(self, space: str) -> DesignChart:
         """Return how the design space is drawn."""
 
+    def result_arrays(self, settings: SweepSettings) -> tuple[ResultArray, ...]:
+        """Return what :meth:`evaluate` returns: every quantity, errors after their values."""
+        lengths = {axis.name: len(axis) for axis in self.axes(settings)}
+        arrays: list[ResultArray] = []
+        for quantity in self.quantities:
+            shape = tuple(lengths[name] for name in quantity.dimensions if name != DESIGN)
+            arrays.append(
+                ResultArray(quantity.name, quantity, shape, quantity.dtype, quantity.long_name)
+            )
+            if quantity.has_error:
+                phrase = f"absolute error estimate of the {quantity.long_name}"
+                arrays.append(
+                    ResultArray(quantity.error_name, quantity, shape, np.dtype(np.float64), phrase)
+                )
+        return tuple(arrays)
+
     def check_space(self, space: str, name: str = "space") -> None:
         """Raise UnknownNameError unless there is a design space of this name."""
         if space not in self.spaces:
@@ -339,8 +385,8 @@ class Mechanism(ABC):
         for threshold in thresholds:
             if not 0.0 < threshold < 1.0:
                 raise InputError(name, threshold, "a number above 0 and below 1")
-        if not thresholds or len(set(thresholds)) < len(thresholds):
-            raise InputError(name, list(thresholds), "at least one threshold, none given twice")
+        if len(set(thresholds)) < len(thresholds):
+            raise InputError(name, list(thresholds), "thresholds of which none is given twice")
 
     def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
         """Return one design as non-dimensional parameters and its dimensional factor D.

@@ -1,0 +1,136 @@
+"""Output files that appear whole under their final name, or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from fivebar_atlas.errors import FileError, FileUsageError
+
+#: Faults of a full disk: no space, quota used up, size limit of a file reached.
+_FULL = {
+    errno.ENOSPC: "there is no space left on the disk",
+    errno.EDQUOT: "the disk quota is used up",
+    errno.EFBIG: "the file would exceed the size limit",
+}
+
+
+def check_output(path: Path, overwrite: bool) -> None:
+    """Refuse an output that cannot be meant, before any work is done for it.
+
+    Parameters
+    ----------
+    path
+        The file to be written.
+    overwrite
+        Whether a file of this name may be replaced.
+
+    Raises
+    ------
+    FileUsageError
+        If the folder is missing, the name is taken by something other than a file, or by
+        a file that may not be replaced.
+    FileError
+        If the folder cannot be written to.
+    """
+    folder = path.parent
+    try:
+        if not folder.is_dir():
+            raise FileUsageError(path, f"the folder {folder} does not exist")
+        if path.is_dir():
+            raise FileUsageError(path, "is a folder, not a file")
+        if path.exists() and not path.is_file():
+            raise FileUsageError(path, "is not an ordinary file")
+        if path.exists() and not overwrite:
+            raise FileUsageError(path, "exists already; --overwrite replaces it")
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise FileError(path, f"the folder {folder} is not writable")
+    except OSError as error:
+        raise unwritable(path, error) from None
+
+
+def unwritable(path: object, error: OSError, kept: str = "") -> FileError:
+    """Return the error that says why a file cannot be written.
+
+    Parameters
+    ----------
+    path
+        The file.
+    error
+        What the operating system said.
+    kept
+        What is not lost, and how to go on, as a phrase.
+    """
+    reason = _FULL.get(error.errno or 0) or error.strerror or str(error)
+    return FileError(path, f"cannot be written: {reason}" + (f"; {kept}" if kept else ""))
+
+
+def put_in_place(temporary: Path, path: Path, overwrite: bool) -> None:
+    """Give a finished and flushed file its final name, in one step.
+
+    Parameters
+    ----------
+    temporary
+        The file, on the same file system.
+    path
+        Its final name.
+    overwrite
+        Whether a file of this name may be replaced.
+
+    Raises
+    ------
+    FileUsageError
+        If the name was taken in the meantime.
+    OSError
+        If the file cannot be renamed.
+    """
+    if path.exists() and not overwrite:
+        raise FileUsageError(path, "exists already; --overwrite replaces it")
+    temporary.replace(path)
+    # The new name is on the disk only when its folder is.
+    with contextlib.suppress(OSError):
+        folder = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+
+
+@contextlib.contextmanager
+def atomic_output(path: Path, overwrite: bool) -> Iterator[Path]:
+    """Give the body a temporary name to write to; rename the file when the body is done.
+
+    Parameters
+    ----------
+    path
+        The file to be written.
+    overwrite
+        Whether a file of this name may be replaced.
+
+    Yields
+    ------
+    Path
+        A name in the same folder, with the same ending.
+
+    Raises
+    ------
+    FileUsageError
+        As :func:`check_output`.
+    FileError
+        If the file cannot be written; whatever had the final name is untouched.
+    """
+    check_output(path, overwrite)
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    try:
+        yield temporary
+        with temporary.open("rb+") as file:
+            os.fsync(file.fileno())
+        put_in_place(temporary, path, overwrite)
+    except OSError as error:
+        raise unwritable(path, error) from None
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)

@@ -1,0 +1,263 @@
+"""The finished blocks of a sweep that is not complete, in a folder beside its output.
+
+``FILE.h5.partial/`` holds a manifest that says what is computed, and one file a finished
+block. Each appears by a rename, with a checksum inside, so that whatever ends the process
+(an interrupt, a kill, the power) leaves every finished block whole or recognisably not. A
+lock that dies with the process keeps two sweeps from writing to one output.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import sys
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fivebar_atlas.errors import FileUsageError
+from fivebar_atlas.output_file import unwritable
+
+#: Version of the layout of the folder.
+LAYOUT = 1
+
+#: Name under which the result file is assembled in the folder.
+ASSEMBLED = "assembled.h5"
+
+_MANIFEST = "manifest.json"
+_LOCK = "lock"
+_BLOCK = "block-"
+_UNFINISHED = ".new"
+_CHECKSUM_BYTES = 4
+
+
+class UnfinishedSweep:
+    """The folder of finished blocks; locked from construction until :meth:`close`.
+
+    Parameters
+    ----------
+    output
+        The result file that the sweep is for.
+    manifest
+        Everything that must be the same for blocks to belong together: texts and numbers.
+    ranges
+        First design and the one after the last of every block.
+    columns
+        Type of a design's record: one field for each result array.
+    resume
+        Whether to go on with the blocks that are there.
+    restart
+        Whether to discard blocks that are there (unless ``resume``).
+
+    Attributes
+    ----------
+    path
+        The folder.
+    finished
+        Indices of the blocks that are there and whole.
+
+    Raises
+    ------
+    FileUsageError
+        If there are blocks but neither ``resume`` nor ``restart``; if ``resume`` and they
+        belong to another sweep; or if another process is at work on them.
+    FileError
+        If the folder cannot be written.
+    """
+
+    def __init__(
+        self,
+        output: Path,
+        manifest: Mapping[str, Any],
+        ranges: Sequence[tuple[int, int]],
+        columns: np.dtype[Any],
+        *,
+        resume: bool,
+        restart: bool,
+    ) -> None:
+        self.path = output.with_name(output.name + ".partial")
+        self.finished: set[int] = set()
+        self._ranges = ranges
+        self._columns = columns
+        self._lock: io.IOBase | None = None
+        self._accepted = False
+        wanted = {"layout": LAYOUT, **manifest, "blocks": len(ranges), "columns": str(columns)}
+        with self._writing():
+            self.path.mkdir(exist_ok=True)
+            self._lock = (self.path / _LOCK).open("ab")
+        try:
+            self._acquire()
+            found = self._manifest()
+            if found is not None and not (resume or restart) and self._has_blocks():
+                raise FileUsageError(
+                    self.path,
+                    "holds an interrupted sweep; --resume goes on with it, "
+                    "--overwrite starts again",
+                )
+            if found is not None and resume:
+                _check_manifest(self.path, found, wanted)
+                self.finished = set(self._whole_blocks())
+                self._accepted = True
+            else:
+                self._accepted = True
+                with self._writing():
+                    self._clear()
+                    self._write(_MANIFEST, json.dumps(wanted, indent=2).encode())
+        except BaseException:
+            self.close()
+            raise
+
+    def add(self, index: int, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+        """Keep a finished block.
+
+        Parameters
+        ----------
+        index
+            Number of the block.
+        arrays
+            One array for each column, the design axis first.
+
+        Raises
+        ------
+        FileError
+            If the disk is full or fails; the finished blocks stay.
+        """
+        start, stop = self._ranges[index]
+        records = np.empty(stop - start, dtype=self._columns)
+        for name in self._columns.names or ():
+            records[name] = arrays[name]
+        data = records.tobytes()
+        checksum = zlib.crc32(data).to_bytes(_CHECKSUM_BYTES, "little")
+        with self._writing():
+            self._write(f"{_BLOCK}{index:06d}", data + checksum)
+        self.finished.add(index)
+
+    def read(self, index: int) -> npt.NDArray[Any] | None:
+        """Return the records of a finished block, None if they are not there or not whole."""
+        start, stop = self._ranges[index]
+        try:
+            data = (self.path / f"{_BLOCK}{index:06d}").read_bytes()
+        except FileNotFoundError:
+            return None
+        records, checksum = data[:-_CHECKSUM_BYTES], data[-_CHECKSUM_BYTES:]
+        if len(records) != (stop - start) * self._columns.itemsize:
+            return None
+        if zlib.crc32(records).to_bytes(_CHECKSUM_BYTES, "little") != checksum:
+            return None
+        return np.frombuffer(records, dtype=self._columns)
+
+    def remove(self) -> None:
+        """Remove the folder and everything in it that a sweep has put there."""
+        self.finished.clear()
+        self.close()
+
+    def close(self) -> None:
+        """Release the lock; the blocks stay. A folder without any is removed."""
+        if self._lock is None:
+            return
+        # Never on the way out of a refusal: then what is there belongs to another sweep.
+        if self._accepted and not self.finished:
+            # What cannot be removed, or is the user's own, stays.
+            with contextlib.suppress(OSError):
+                self._clear()
+                (self.path / _LOCK).unlink(missing_ok=True)
+                self.path.rmdir()
+        self._lock.close()
+        self._lock = None
+
+    @contextlib.contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Turn a fault of the disk into an error that says what is kept."""
+        try:
+            yield
+        except OSError as error:
+            count = len(self.finished)
+            kept = f"the {count} finished blocks are kept, --resume goes on with them"
+            raise unwritable(self.path, error, kept if count else "") from None
+
+    def _write(self, name: str, data: bytes) -> None:
+        """Write a file of the folder; it has its name only when it is complete."""
+        new = self.path / (name + _UNFINISHED)
+        try:
+            with new.open("wb") as file:
+                file.write(data)
+                if name == _MANIFEST:
+                    # Blocks that the power took are computed again; without a manifest all are.
+                    file.flush()
+                    os.fsync(file.fileno())
+            new.replace(self.path / name)
+        except OSError:
+            with contextlib.suppress(OSError):
+                new.unlink(missing_ok=True)
+            raise
+
+    def _acquire(self) -> None:
+        """Lock the folder, where the platform has locks that die with their process."""
+        if sys.platform == "win32" or self._lock is None:
+            return
+        import fcntl
+
+        try:
+            fcntl.flock(self._lock.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise FileUsageError(self.path, "another sweep is at work on this output") from None
+        except OSError:
+            # A network folder without locks: then nobody can be kept out.
+            return
+
+    def _manifest(self) -> dict[str, Any] | None:
+        """Return the manifest of the folder, None if there is no whole one."""
+        try:
+            found = json.loads((self.path / _MANIFEST).read_bytes())
+        except (FileNotFoundError, ValueError):
+            return None
+        return found if isinstance(found, dict) else None
+
+    def _has_blocks(self) -> bool:
+        """Return whether there is a block, whole or not."""
+        return any(entry.name.startswith(_BLOCK) for entry in self.path.iterdir())
+
+    def _whole_blocks(self) -> Iterator[int]:
+        """Yield the indices of the blocks that are there and whole."""
+        for index in range(len(self._ranges)):
+            if self.read(index) is not None:
+                yield index
+
+    def _clear(self) -> None:
+        """Remove what a sweep has put into the folder, except the lock."""
+        for entry in self.path.iterdir():
+            if entry.name.startswith((_MANIFEST, _BLOCK)) or entry.name == ASSEMBLED:
+                entry.unlink(missing_ok=True)
+
+
+def _check_manifest(path: Path, found: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
+    """Refuse to go on with blocks of another configuration or other kernels."""
+    if found.get("configuration") != wanted["configuration"]:
+        before = str(found.get("configuration")).splitlines()
+        now = str(wanted["configuration"]).splitlines()
+        removed = ", ".join(line for line in before if line not in now)
+        added = ", ".join(line for line in now if line not in before)
+        raise FileUsageError(
+            path,
+            f"was begun with another configuration ({removed}; now {added}); "
+            "--overwrite without --resume starts again",
+        )
+    different = [key for key in wanted if found.get(key) != wanted[key]]
+    if different:
+        changes = ", ".join(
+            f"{key} {found.get(key)!r}, now {wanted[key]!r}"
+            for key in different
+            if len(str(wanted[key])) < 80
+        )
+        raise FileUsageError(
+            path,
+            "was begun with other kernels or another version of this program"
+            + (f" ({changes})" if changes else "")
+            + "; --overwrite without --resume starts again",
+        )
