@@ -363,4 +363,5 @@ def _without_straight_corners(loop: FloatArray) -> FloatArray:
     turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     lengths = np.hypot(*before.T) * np.hypot(*after.T)
     straight = (np.abs(turn) <= 1e-10 * lengths) & ((before * after).sum(axis=1) > 0.0)
-    return loop[~straight]
+    corners: FloatArray = loop[~straight]
+    return corners

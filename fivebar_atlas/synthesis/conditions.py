@@ -11,13 +11,12 @@ import dataclasses
 import math
 import re
 from collections.abc import Sequence
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Mechanism, Quantity
+from fivebar_atlas.store import Atlas
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -29,21 +28,6 @@ _GRAMMAR = re.compile(
     re.VERBOSE | re.ASCII,
 )
 _ALLOWED = "a quantity, one of >= <= > <, and a number, such as 'gci>=0.62'"
-
-
-class Designs(Protocol):
-    """What conditions need of a result file."""
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """The mechanism."""
-
-    @property
-    def designs(self) -> FloatArray:
-        """The designs, shape (designs, parameters)."""
-
-    def select(self, name: str, mode: str | None = None, lci: float | None = None) -> FloatArray:
-        """Return the values of one quantity, shape (designs,)."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -118,80 +102,28 @@ def parse_condition(text: str, name: str = "--where") -> Condition:
     return Condition(match["quantity"], match["operator"], bound)
 
 
-def condition_names(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return every name a condition may use, parameters first.
+def condition_names(atlas: Atlas) -> tuple[str, ...]:
+    """Return every name a condition on the designs of a file may use, parameters first.
 
     Categories such as ``status`` are left out: they are not ordered and cannot be
     interpolated between designs.
     """
-    names = [parameter.name for parameter in mechanism.parameters]
-    for quantity in mechanism.quantities:
-        if quantity.flags is None:
-            names.append(quantity.name)
-            if quantity.has_error:
-                names.append(quantity.error_name)
-    return tuple(names)
+    parameters = (parameter.name for parameter in atlas.mechanism.parameters)
+    arrays = atlas.mechanism.result_arrays(atlas.settings)
+    return (*parameters, *(array.name for array in arrays if array.quantity.flags is None))
 
 
-def condition_quantity(mechanism: Mechanism, name: str) -> Quantity | None:
-    """Return the quantity behind a name, or None for a design parameter.
-
-    An error companion leads to the quantity it belongs to.
-
-    Raises
-    ------
-    UnknownNameError
-        If conditions cannot use the name; it lists those there are and the nearest.
-    """
-    if name not in condition_names(mechanism):
-        raise UnknownNameError("quantity in a condition", name, condition_names(mechanism))
-    for quantity in mechanism.quantities:
-        if name in (quantity.name, quantity.error_name):
-            return quantity
-    return None
-
-
-def condition_values(
-    name: str, atlas: Designs, mode: str | None = None, lci: float | None = None
-) -> FloatArray:
-    """Return the values of a quantity or parameter, one for each design.
-
-    Parameters
-    ----------
-    name
-        Name of a quantity, of an error companion or of a design parameter.
-    atlas
-        The results.
-    mode
-        Canonical label of the mode pair, for quantities that depend on it.
-    lci
-        LCI threshold, for quantities that depend on it.
-
-    Returns
-    -------
-    ndarray
-        Shape (designs,).
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such quantity or parameter.
-    """
-    quantity = condition_quantity(atlas.mechanism, name)
-    if quantity is None:
-        column = [parameter.name for parameter in atlas.mechanism.parameters].index(name)
-        return np.asarray(atlas.designs[:, column], dtype=np.float64)
-    values = atlas.select(
-        name,
-        mode=mode if MODE in quantity.dimensions else None,
-        lci=lci if THRESHOLD in quantity.dimensions else None,
-    )
-    return np.asarray(values, dtype=np.float64)
+def check_conditions(conditions: Sequence[Condition], atlas: Atlas, name: str = "--where") -> None:
+    """Raise UnknownNameError unless every condition is on something the file holds."""
+    known = condition_names(atlas)
+    for condition in conditions:
+        if condition.quantity not in known:
+            raise UnknownNameError(name, condition.quantity, known)
 
 
 def condition_margins(
     conditions: Sequence[Condition],
-    atlas: Designs,
+    atlas: Atlas,
     mode: str | None = None,
     lci: float | None = None,
 ) -> FloatArray:
@@ -202,9 +134,10 @@ def condition_margins(
     conditions
         The conditions, all of which are to hold.
     atlas
-        The results.
+        The open result file.
     mode, lci
-        Mode pair and LCI threshold of the quantities that depend on them.
+        Mode pair and LCI threshold of the quantities that depend on them; needed only
+        where the file holds several.
 
     Returns
     -------
@@ -215,9 +148,11 @@ def condition_margins(
     ------
     UnknownNameError
         If a condition names something that is neither a quantity nor a parameter.
+    InputError
+        If a mode pair or threshold is not in the file or must be chosen.
     """
+    check_conditions(conditions, atlas)
     margins = np.empty((len(conditions), len(atlas.designs)))
     for row, condition in enumerate(conditions):
-        values = condition_values(condition.quantity, atlas, mode, lci)
-        margins[row] = condition.margin(values)
+        margins[row] = condition.margin(atlas.select(condition.quantity, mode, lci))
     return margins

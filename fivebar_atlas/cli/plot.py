@@ -1,0 +1,209 @@
+"""``atlas plot``: figures of a result file, one sub-command for each kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from fivebar_atlas.errors import UnknownNameError
+
+Command = Callable[..., None]
+
+#: Kinds that show one quantity of a file: name, the quantity, and what it is.
+_QUANTITY_KINDS = {
+    "area": ("usable_workspace_area", "Atlas of the usable workspace area."),
+    "gci": ("gci", "Atlas of the global conditioning index (GCI)."),
+}
+
+
+class _Kinds(click.Group):
+    """The kinds of figures; an unknown one is answered with those there are."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
+            raise UnknownNameError("KIND", args[0], self.list_commands(ctx))
+        return super().resolve_command(ctx, args)
+
+
+@click.group(cls=_Kinds, short_help="Draw a figure: PNG, PDF or SVG.")
+def plot() -> None:
+    """Draw a figure as PNG, PDF or SVG, by the ending of the file name.
+
+    The same result file always gives the same figure, byte for byte.
+    """
+
+
+def figure_options(command: Command) -> Command:
+    """Add the options that every kind of figure has."""
+    for option in (
+        click.option(
+            "--overwrite", is_flag=True, help="Replace the figure if the file exists already."
+        ),
+        click.option(
+            "--width",
+            type=float,
+            default=85.0,
+            show_default=True,
+            metavar="MM",
+            help="Width of the figure; the font sizes stay.",
+        ),
+        click.option(
+            "-o",
+            "--output",
+            type=click.Path(path_type=Path),
+            required=True,
+            metavar="FIGURE",
+            help="The figure: .png, .pdf or .svg.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+def file_options(command: Command) -> Command:
+    """Add the result file and the choice of mode pair and threshold."""
+    for option in (
+        click.option(
+            "--lci",
+            type=float,
+            metavar="THRESHOLD",
+            help="LCI threshold, where the file holds several.",
+        ),
+        click.option(
+            "--mode", metavar="MODE", help="Mode pair, such as +-/up, where the file holds several."
+        ),
+        click.argument("file", type=click.Path(path_type=Path)),
+    ):
+        command = option(command)
+    return command
+
+
+@plot.command("design-space")
+@click.argument("file", type=click.Path(path_type=Path), required=False)
+@click.option("--space", metavar="SPACE", help="Design space to draw without a FILE.")
+@figure_options
+def design_space(
+    file: Path | None, space: str | None, output: Path, width: float, overwrite: bool
+) -> None:
+    """Draw the planar-closed design space with its sub-regions.
+
+    The design space is that of FILE, or the one named by --space.
+    """
+    from fivebar_atlas import mechanisms
+    from fivebar_atlas.errors import InputError
+    from fivebar_atlas.figures.design_space import design_space_figure
+    from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.store import open_atlas
+
+    check_figure_output(output, overwrite)
+    mechanism = mechanisms.get(mechanisms.names()[0])
+    if file is not None:
+        with open_atlas(file) as atlas:
+            if space not in (None, atlas.settings.space):
+                raise InputError("space", space, f"{atlas.settings.space!r}, that of {file}")
+            mechanism, space = atlas.mechanism, atlas.settings.space
+    space = mechanism.spaces[0] if space is None else space
+    mechanism.check_space(space)
+    title = f"Design space ({space}): {mechanism.title}"
+    figure = design_space_figure(mechanism.chart(space), title, width=width)
+    save_figure(figure, output, overwrite)
+
+
+def _draw_quantity(
+    name: str,
+    file: Path,
+    mode: str | None,
+    lci: float | None,
+    output: Path,
+    width: float,
+    overwrite: bool,
+) -> None:
+    from fivebar_atlas.figures.atlas_figures import quantity_figure
+    from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.store import open_atlas
+
+    check_figure_output(output, overwrite)
+    with open_atlas(file) as atlas:
+        figure = quantity_figure(atlas, name, mode, lci, width=width)
+    save_figure(figure, output, overwrite)
+
+
+@plot.command("quantity")
+@click.argument("name")
+@file_options
+@figure_options
+def quantity(name: str, **choices: Any) -> None:
+    """Draw any stored quantity NAME, an error estimate or a category.
+
+    Errors are drawn on a logarithmic scale, categories such as status in colours of their
+    own.
+    """
+    _draw_quantity(name, **choices)
+
+
+def _add_quantity_kind(kind: str, name: str, meaning: str) -> None:
+    @plot.command(kind, help=meaning)
+    @file_options
+    @figure_options
+    def _command(**choices: Any) -> None:
+        _draw_quantity(name, **choices)
+
+
+for _kind, (_name, _meaning) in _QUANTITY_KINDS.items():
+    _add_quantity_kind(_kind, _name, _meaning)
+
+
+@plot.command("region")
+@click.option(
+    "--where",
+    "wheres",
+    multiple=True,
+    required=True,
+    metavar="CONDITION",
+    help="A condition such as 'gci>=0.62'; all that are given must hold.",
+)
+@file_options
+@figure_options
+def region(
+    wheres: tuple[str, ...],
+    file: Path,
+    mode: str | None,
+    lci: float | None,
+    output: Path,
+    width: float,
+    overwrite: bool,
+) -> None:
+    """Draw the optimum region of any conditions over area and GCI.
+
+    Prints the range of every parameter in the region.
+    """
+    from fivebar_atlas.figures.atlas_figures import region_figure
+    from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.store import open_atlas
+    from fivebar_atlas.synthesis.conditions import parse_condition
+    from fivebar_atlas.synthesis.optimum_region import optimum_region
+
+    check_figure_output(output, overwrite)
+    conditions = [parse_condition(where) for where in wheres]
+    with open_atlas(file) as atlas:
+        found = optimum_region(atlas, conditions, mode, lci)
+        bounds = [(each.quantity, each.operator, each.bound) for each in conditions]
+        figure = region_figure(atlas, found.region, bounds, mode, lci, width=width)
+        parameters = atlas.mechanism.parameters
+    save_figure(figure, output, overwrite)
+    together = ", ".join(str(condition) for condition in conditions)
+    if found.region.is_empty:
+        click.echo(
+            f"the region {together} is empty: {found.lattice_designs} designs of the lattice "
+            "fulfil it, and nothing between them",
+            err=True,
+        )
+        return
+    click.echo(f"{together}: {100.0 * found.share:.3g} % of the design space")
+    for parameter, least, greatest in zip(parameters, found.least, found.greatest, strict=True):
+        click.echo(f"{parameter.name} from {least:.4f} to {greatest:.4f}")

@@ -1,0 +1,257 @@
+"""Figures of a result file: which kind of map each stored quantity is drawn as.
+
+These functions take an open result file; the maps themselves take arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.figure import Figure
+
+from fivebar_atlas.errors import UnknownNameError
+from fivebar_atlas.figures import style
+from fivebar_atlas.figures.category_map import category_map, magnitude_map
+from fivebar_atlas.figures.charted_designs import ChartedDesigns
+from fivebar_atlas.figures.contour_map import contour_map
+from fivebar_atlas.figures.region_map import Layer, region_map
+from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Quantity, ResultArray
+from fivebar_atlas.store import Atlas
+from fivebar_atlas.triangulated_regions import Region
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+#: The quantities of the two atlases that an optimum region is drawn on.
+AREA = "usable_workspace_area"
+CONDITIONING = "gci"
+
+#: The quantity that explains every value that is not a number.
+STATUS = "status"
+
+_MINUS = "\N{MINUS SIGN}"
+_SIGNS = {
+    ">=": "\N{GREATER-THAN OR EQUAL TO}",
+    "<=": "\N{LESS-THAN OR EQUAL TO}",
+    ">": ">",
+    "<": "<",
+}
+_UNITS = {0: "dimensionless", 1: "in units of $D$", 2: "in units of $D^2$"}
+
+
+def quantity_figure(
+    atlas: Atlas,
+    name: str,
+    mode: str | None = None,
+    lci: float | None = None,
+    *,
+    width: float = style.COLUMN_WIDTH,
+) -> Figure:
+    """Draw one stored quantity over the design space.
+
+    Parameters
+    ----------
+    atlas
+        The open result file.
+    name
+        Name of a quantity or of an error companion.
+    mode
+        A stored mode pair; needed only where the file holds several.
+    lci
+        A stored LCI threshold; needed only where the file holds several.
+    width
+        Width of the figure in millimetres.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Contours of a quantity, orders of magnitude of an error, colours of a category.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such quantity or mode pair.
+    InputError
+        If the mode pair or the threshold is not stored or must be chosen, or the width is
+        out of range.
+    FileError
+        If the file is damaged.
+    """
+    array = stored_array(atlas, name)
+    quantity = array.quantity
+    values = atlas.select(name, mode, lci)
+    designs = charted_designs(atlas)
+    title = title_of(atlas, array, mode, lci)
+    if quantity.flags is not None:
+        return category_map(designs, values.astype(np.int64), quantity.flags, title, width=width)
+    label = label_of(array)
+    if array.is_error:
+        missing = why_missing(atlas, quantity, values, mode)
+        return magnitude_map(designs, values, title, label, missing=missing, width=width)
+    empty = stands_for_nothing(quantity, values)
+    missing = why_missing(atlas, quantity, np.where(empty, np.nan, values), mode)
+    return contour_map(designs, values, title, label, empty=empty, missing=missing, width=width)
+
+
+def region_figure(
+    atlas: Atlas,
+    region: Region,
+    conditions: Sequence[tuple[str, str, float]],
+    mode: str | None = None,
+    lci: float | None = None,
+    *,
+    width: float = style.COLUMN_WIDTH,
+) -> Figure:
+    """Draw an optimum region over the workspace area and the global conditioning index.
+
+    Parameters
+    ----------
+    atlas
+        The open result file.
+    region
+        The region, in chart coordinates.
+    conditions
+        What bounds it: name of a quantity or parameter, operator, number.
+    mode, lci
+        Mode pair and LCI threshold, as in :func:`quantity_figure`.
+    width
+        Width of the figure in millimetres.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure; an empty region is said to be empty.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such mode pair, or the mechanism has no such quantities.
+    InputError
+        If the mode pair is not stored or must be chosen, or the width is out of range.
+    FileError
+        If the file is damaged.
+    """
+    layers = []
+    reasons = []
+    for name in (AREA, CONDITIONING):
+        array = stored_array(atlas, name)
+        values = atlas.select(name, mode, lci)
+        empty = stands_for_nothing(array.quantity, values)
+        layers.append(Layer(values, label_of(array), empty))
+        gone = np.where(empty, np.nan, values)
+        reasons.append(why_missing(atlas, array.quantity, gone, mode))
+    parameters = [parameter.name for parameter in atlas.mechanism.parameters]
+    bounded = [stored_array(atlas, name) for name, _, _ in conditions if name not in parameters]
+    parts = ["Optimum region", _mode_part(atlas, mode)]
+    if any(THRESHOLD in array.quantity.dimensions for array in bounded):
+        parts.append(_threshold_part(atlas, lci))
+    return region_map(
+        charted_designs(atlas),
+        layers[0],
+        layers[1],
+        region,
+        [condition_text(atlas, *condition) for condition in conditions],
+        ", ".join(parts),
+        missing=reasons[0],
+        width=width,
+    )
+
+
+def charted_designs(atlas: Atlas) -> ChartedDesigns:
+    """Return the designs of a result file with their triangulation and chart."""
+    settings = atlas.settings
+    return ChartedDesigns.of_lattice(atlas.mechanism, settings.space, settings.resolution)
+
+
+def stored_array(atlas: Atlas, name: str) -> ResultArray:
+    """Return what is known of a quantity or error companion.
+
+    Raises
+    ------
+    UnknownNameError
+        If the file holds nothing of this name; it lists what it holds.
+    """
+    arrays = {array.name: array for array in atlas.mechanism.result_arrays(atlas.settings)}
+    if name not in arrays:
+        raise UnknownNameError("quantity", name, arrays)
+    return arrays[name]
+
+
+def title_of(atlas: Atlas, array: ResultArray, mode: str | None, lci: float | None) -> str:
+    """Return the title of a map: what it shows, for which mode pair and threshold."""
+    text = array.quantity.long_name
+    if array.is_error:
+        text = f"error of the {text}"
+    parts = [text[:1].upper() + text[1:]]
+    if MODE in array.quantity.dimensions:
+        parts.append(_mode_part(atlas, mode))
+    if THRESHOLD in array.quantity.dimensions:
+        parts.append(_threshold_part(atlas, lci))
+    return ", ".join(parts)
+
+
+def label_of(array: ResultArray) -> str:
+    """Return name, symbol and unit of a quantity, for a colour bar."""
+    quantity = array.quantity
+    unit = quantity.unit
+    if unit == "1":
+        # Non-dimensional lengths and areas are those of a machine with D = 1.
+        unit = _UNITS.get(quantity.length_power, f"in units of $D^{{{quantity.length_power}}}$")
+    return f"{array.long_name} {quantity.symbol} ({unit})"
+
+
+def condition_text(atlas: Atlas, name: str, operator: str, bound: float) -> str:
+    """Return a condition as it is written in a figure: symbol, sign and number."""
+    symbols = {parameter.name: parameter.symbol for parameter in atlas.mechanism.parameters}
+    if name not in symbols:
+        array = stored_array(atlas, name)
+        symbol = array.quantity.symbol
+        symbols[name] = f"error of {symbol}" if array.is_error else symbol
+    number = f"{bound:.10g}".replace("-", _MINUS)
+    return f"{symbols[name]} {_SIGNS[operator]} {number}"
+
+
+def why_missing(atlas: Atlas, quantity: Quantity, values: FloatArray, mode: str | None) -> str:
+    """Return what all designs without a value have in common, in the words of their status.
+
+    Parameters
+    ----------
+    atlas
+        The open result file.
+    quantity
+        The quantity.
+    values
+        Its values, shape (designs,), NaN where there is none.
+    mode
+        The mode pair.
+
+    Returns
+    -------
+    str
+        ``"no value"`` where the status does not say it.
+    """
+    gone = np.isnan(values)
+    status = next((each for each in atlas.mechanism.quantities if each.name == STATUS), None)
+    if status is None or status.flags is None or not status.flags.masks or not gone.any():
+        return "no value"
+    if MODE not in quantity.dimensions:
+        return "no value"
+    shared = int(np.bitwise_and.reduce(atlas.select(STATUS, mode)[gone].astype(np.int64)))
+    return status.flags.describe(shared).replace("_", " ") if shared else "no value"
+
+
+def stands_for_nothing(quantity: Quantity, values: FloatArray) -> BoolArray:
+    """Return where 0 is the area of a workspace that does not exist, shape (designs,)."""
+    return np.asarray((values == 0.0) & (quantity.length_power == 2))
+
+
+def _mode_part(atlas: Atlas, mode: str | None) -> str:
+    label = atlas.modes[0] if mode is None else atlas.mechanism.parse_mode(mode)
+    return "mode " + label.replace("-", _MINUS)
+
+
+def _threshold_part(atlas: Atlas, lci: float | None) -> str:
+    threshold = atlas.lci_thresholds[0] if lci is None else lci
+    return f"LCI {_SIGNS['>=']} {threshold:g}"

@@ -1,0 +1,197 @@
+"""Contour maps: filled colours between round levels, and lines with their levels on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+
+from fivebar_atlas.figures import style
+from fivebar_atlas.figures.chart_frame import (
+    FILL_LEVEL,
+    LINE_LEVEL,
+    MISSING_LEVEL,
+    ChartFrame,
+    chart_frame,
+    draw_sub_regions,
+)
+from fivebar_atlas.figures.charted_designs import ChartedDesigns
+from fivebar_atlas.figures.colour_bar import (
+    bar_height,
+    draw_bar,
+    draw_key,
+    key_height,
+    missing_entry,
+    missing_look,
+)
+from fivebar_atlas.figures.contour_levels import level_text, round_levels
+from fivebar_atlas.figures.style import styled
+from fivebar_atlas.figures.text_placement import place_along_lines, text_size
+from fivebar_atlas.triangulated_regions import outline_of_triangles
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+#: A line longer than this many millimetres carries a second label.
+_LABEL_REPEAT = 55.0
+
+
+def contour_map(
+    designs: ChartedDesigns,
+    values: FloatArray,
+    title: str,
+    label: str,
+    *,
+    empty: BoolArray | None = None,
+    missing: str = "no value",
+    width: float = style.COLUMN_WIDTH,
+) -> Figure:
+    """Draw a quantity over the design space as labelled contours above filled colours.
+
+    Parameters
+    ----------
+    designs
+        The designs and the chart.
+    values
+        One value for each design, shape (n,); NaN where there is none.
+    title, label
+        Title of the figure, and name and unit for the colour bar.
+    empty
+        Designs whose value stands for nothing (the area 0 of an empty workspace), shape
+        (n,). Triangles between three of them are drawn as missing, not as a colour.
+    missing
+        What the hatched area means, for the key.
+    width
+        Width of the figure in millimetres.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure; its first axes are in chart coordinates.
+
+    Raises
+    ------
+    InputError
+        If the width is out of range, or the values are not one for each design.
+    """
+    designs.check(values)
+    absent = absent_triangles(designs, values, empty)
+    shown = values[np.unique(designs.triangles[~absent])]
+    levels = round_levels(float(shown.min()), float(shown.max())) if len(shown) else np.empty(0)
+    key = [missing_entry(missing)] if absent.any() else []
+    with styled():
+        below = key_height(key, width) + (bar_height(label, width) if len(levels) else 0.0)
+        frame = chart_frame(designs.chart, title, width, below)
+        draw_missing(frame, designs, absent)
+        used = 0.0
+        if len(levels):
+            colours = list(style.colour_map()(np.linspace(0.0, 1.0, len(levels) - 1)))
+            fill_between_levels(frame, designs, values, absent, levels, colours)
+            draw_levels(frame, designs, values, absent, levels)
+            ticks = [level_text(level, levels) for level in levels]
+            used = draw_bar(frame, colours, ticks, label)
+        draw_key(frame, key, used)
+        draw_sub_regions(frame)
+        return frame.figure
+
+
+def absent_triangles(
+    designs: ChartedDesigns, values: FloatArray, empty: BoolArray | None = None
+) -> BoolArray:
+    """Return the triangles that cannot be interpolated, shape (m,).
+
+    Those are the triangles with a missing value at a vertex, and those between three
+    designs whose value stands for nothing.
+    """
+    absent = ~np.isfinite(values[designs.triangles]).all(axis=1)
+    if empty is not None:
+        absent = absent | empty[designs.triangles].all(axis=1)
+    return np.asarray(absent)
+
+
+def draw_missing(frame: ChartFrame, designs: ChartedDesigns, absent: BoolArray) -> None:
+    """Hatch triangles that have no value."""
+    loops = outline_of_triangles(designs.points, designs.triangles, absent)
+    frame.fill(loops, MISSING_LEVEL, **missing_look())
+
+
+def fill_between_levels(
+    frame: ChartFrame,
+    designs: ChartedDesigns,
+    values: FloatArray,
+    absent: BoolArray,
+    levels: FloatArray,
+    colours: Sequence[Any],
+) -> None:
+    """Fill the bands between levels, exact for values linear on the triangles."""
+    # A rounding error beyond the outermost level must not leave a hole.
+    inside = np.clip(values, levels[0], levels[-1])
+    filled = frame.axes.tricontourf(
+        _triangulation(designs, absent), inside, levels=levels, colors=colours
+    )
+    filled.set_zorder(FILL_LEVEL)
+
+
+def draw_levels(
+    frame: ChartFrame,
+    designs: ChartedDesigns,
+    values: FloatArray,
+    absent: BoolArray,
+    levels: FloatArray,
+    colour: str = style.INK,
+    width: float = style.LEVEL_WIDTH,
+    dashes: str | tuple[float, tuple[float, ...]] = "solid",
+) -> None:
+    """Draw the lines at levels and write the level on each where there is room.
+
+    The lines at the ends of the range of values are left out: on a plateau they would
+    only trace rounding errors.
+    """
+    shown = values[np.unique(designs.triangles[~absent])]
+    slack = 1e-6 * (levels[-1] - levels[0])
+    drawn = levels[(levels > shown.min() + slack) & (levels < shown.max() - slack)]
+    if len(drawn) == 0:
+        return
+    contours = frame.axes.tricontour(
+        _triangulation(designs, absent),
+        values,
+        levels=drawn,
+        colors=colour,
+        linewidths=width,
+        linestyles=[dashes],
+    )
+    contours.set_zorder(LINE_LEVEL)
+    lines = [
+        [np.asarray(line) * frame.scale for line in path.to_polygons(closed_only=False)]
+        for path in contours.get_paths()
+    ]
+    borders = [_along(border * frame.scale) for border in frame.chart.borders]
+    for index, level in enumerate(drawn):
+        text = level_text(level, levels)
+        others = [_along(line) for at, some in enumerate(lines) if at != index for line in some]
+        boxes = place_along_lines(
+            lines[index],
+            *text_size(text, style.LEVEL_SIZE),
+            outline=frame.chart.outline * frame.scale,
+            occupied=frame.occupied,
+            avoid=np.concatenate([*others, np.empty((0, 2))]),
+            shun=np.concatenate([*borders, np.empty((0, 2))]),
+            repeat=_LABEL_REPEAT,
+        )
+        for box in boxes:
+            frame.write(text, box, style.LEVEL_SIZE, halo=1.4, color=colour)
+
+
+def _along(line: FloatArray, spacing: float = 0.5) -> FloatArray:
+    """Return points on a line, no further apart than a spacing."""
+    run = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    stations = np.linspace(0.0, run[-1], max(2, int(run[-1] / spacing) + 1))
+    return np.column_stack([np.interp(stations, run, line[:, axis]) for axis in range(2)])
+
+
+def _triangulation(designs: ChartedDesigns, absent: BoolArray) -> Triangulation:
+    return Triangulation(designs.points[:, 0], designs.points[:, 1], designs.triangles, mask=absent)
