@@ -20,12 +20,15 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import FileError, FileUsageError, InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import Mechanism, SweepSettings
+from fivebar_atlas.mechanisms.base import (
+    DEFAULT_LCI_THRESHOLDS,
+    DEFAULT_TOLERANCE,
+    Mechanism,
+    SweepSettings,
+)
 
-#: What is computed where nothing is said.
+#: Number of lattice steps where nothing is said.
 DEFAULT_RESOLUTION = 300
-DEFAULT_LCI_THRESHOLDS = (0.5,)
-DEFAULT_TOLERANCE = 1e-6
 
 #: Far above any machine's number of cores, so that a slip of the keyboard is caught.
 MOST_THREADS = 1024

@@ -86,23 +86,21 @@ def _columns(atlas: Atlas) -> Iterator[tuple[str, _Column]]:
         flags = None if array.is_error else array.quantity.flags
         expand = 1 if MODE in dimensions else repeat
         others = [axes[name] for name in dimensions if name not in (DESIGN, MODE)]
-        for suffix, index in _entries(others):
-            modes_of = (slice(None),) if MODE in dimensions else ()
-            yield (
-                array.name + suffix,
-                _reader(atlas, array.name, (*modes_of, *index), expand, flags),
-            )
+        for suffix, places in _entries(others):
+            # All mode pairs, and one entry of every other axis.
+            index = tuple(places.get(name, slice(None)) for name in dimensions[1:])
+            yield array.name + suffix, _reader(atlas, array.name, index, expand, flags)
 
 
-def _entries(axes: Sequence[Axis]) -> Iterator[tuple[str, tuple[int, ...]]]:
-    """Yield a column suffix and an index for each combination of entries of axes."""
+def _entries(axes: Sequence[Axis]) -> Iterator[tuple[str, dict[str, int]]]:
+    """Yield a column suffix and the places on the axes for each combination of entries."""
     if not axes:
-        yield "", ()
+        yield "", {}
         return
     first, *rest = axes
     for number, label in enumerate(first.labels):
-        for suffix, index in _entries(rest):
-            yield f"_{first.columns[0].name}_{label}{suffix}", (number, *index)
+        for suffix, places in _entries(rest):
+            yield f"_{first.columns[0].name}_{label}{suffix}", {first.name: number, **places}
 
 
 def _reader(

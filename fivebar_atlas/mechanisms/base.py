@@ -28,6 +28,10 @@ DESIGN = "design"
 MODE = "mode"
 THRESHOLD = "threshold"
 
+#: Thresholds and tolerance where nothing is said.
+DEFAULT_LCI_THRESHOLDS = (0.5,)
+DEFAULT_TOLERANCE = 1e-6
+
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Parameter:

@@ -1,0 +1,110 @@
+"""``atlas info``: what is in a result file, and how it was made."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from fivebar_atlas.cli import options
+
+if TYPE_CHECKING:
+    from fivebar_atlas.mechanisms.base import Quantity
+    from fivebar_atlas.store import Atlas
+
+
+@click.command()
+@options.file_argument
+@options.json_option
+def info(file: str, as_json: bool) -> None:
+    """Say what is in a result file and how it was made."""
+    from fivebar_atlas.store import open_atlas
+
+    with open_atlas(file) as atlas:
+        document = _document(atlas)
+    click.echo(json.dumps(document, indent=2) if as_json else _text(document))
+
+
+def _document(atlas: Atlas) -> dict[str, Any]:
+    """Return everything there is to say of an atlas."""
+    settings = atlas.settings
+    return {
+        "file": str(atlas.path),
+        "bytes": atlas.path.stat().st_size,
+        "mechanism": settings.mechanism,
+        "title": atlas.mechanism.title,
+        "source": atlas.mechanism.source,
+        "designs": len(atlas),
+        "space": settings.space,
+        "resolution": settings.resolution,
+        "modes": list(settings.modes),
+        "lci_thresholds": list(settings.lci_thresholds),
+        "tolerance": settings.tolerance,
+        "quantities": [_quantity(atlas, quantity) for quantity in atlas.mechanism.quantities],
+        "made": atlas.attributes,
+    }
+
+
+def _quantity(atlas: Atlas, quantity: Quantity) -> dict[str, Any]:
+    """Return meaning and range of a quantity; of flags, how often each occurs."""
+    import numpy as np
+
+    values = atlas[quantity.name]
+    entry: dict[str, Any] = {
+        "name": quantity.name,
+        "long_name": quantity.long_name,
+        "unit": quantity.unit,
+        "dimensions": list(quantity.dimensions),
+    }
+    if quantity.flags is not None:
+        codes, counts = np.unique(values, return_counts=True)
+        entry["counts"] = {
+            quantity.flags.describe(int(code)): int(count)
+            for code, count in zip(codes, counts, strict=True)
+        }
+        return entry
+    exists = values[np.isfinite(values)]
+    entry["missing"] = int(values.size - exists.size)
+    entry["least"] = float(exists.min()) if exists.size else None
+    entry["greatest"] = float(exists.max()) if exists.size else None
+    if quantity.has_error:
+        errors = atlas[quantity.error_name]
+        errors = errors[np.isfinite(errors)]
+        entry["greatest_error"] = float(errors.max()) if errors.size else None
+    return entry
+
+
+def _text(document: dict[str, Any]) -> str:
+    """Return the document as lines for a reader."""
+    lines = [
+        f"{document['file']} ({document['bytes']:,} bytes)",
+        f"{document['title']}; {document['source']}",
+        "",
+        f"designs         {document['designs']:,} of the {document['space']} design space, "
+        f"N = {document['resolution']}",
+        f"mode pairs      {', '.join(document['modes'])}",
+        f"LCI thresholds  {', '.join(f'{v!r}' for v in document['lci_thresholds']) or 'none'}",
+        f"tolerance       {document['tolerance']:g}",
+        "",
+    ]
+    width = max(len(entry["name"]) for entry in document["quantities"])
+    lines += [f"{entry['name']:{width}}  {_range(entry)}" for entry in document["quantities"]]
+    lines += ["", "made by"]
+    for name, value in document["made"].items():
+        first, *rest = str(value).strip().splitlines() or [""]
+        lines.append(f"  {name:15}  {first}")
+        lines += [f"  {'':15}  {line}" for line in rest]
+    return "\n".join(lines)
+
+
+def _range(entry: dict[str, Any]) -> str:
+    """Return the range of a quantity, or how often each of its meanings occurs."""
+    if "counts" in entry:
+        return "; ".join(f"{meaning}: {count:,}" for meaning, count in entry["counts"].items())
+    if entry["least"] is None:
+        return "exists nowhere"
+    text = f"{entry['least']:.6g} to {entry['greatest']:.6g}"
+    if "greatest_error" in entry and entry["greatest_error"] is not None:
+        text += f", error at most {entry['greatest_error']:.1e}"
+    return text + (f", missing {entry['missing']:,} times" if entry["missing"] else "")
