@@ -85,7 +85,8 @@ def category_map(
         frame = chart_frame(designs.chart, title, width, key_height(entries, width))
         for value, colour in zip(present, colours, strict=True):
             loops = outline_of_cells(designs.points, designs.triangles, values == value)
-            frame.fill(loops, FILL_LEVEL, facecolor=colour, edgecolor=style.INK, linewidth=0.2)
+            look = {"facecolor": colour, "edgecolor": style.INK, "linewidth": 0.2}
+            frame.fill(f"category-{value}", loops, FILL_LEVEL, **look)
         draw_key(frame, entries, 0.0)
         draw_sub_regions(frame)
         return frame.figure
@@ -145,10 +146,14 @@ def magnitude_map(
         bands = np.clip(np.searchsorted(levels, values, side="right") - 1, 0, len(levels) - 2)
         for band, colour in enumerate(colours):
             loops = outline_of_cells(designs.points, designs.triangles, positive & (bands == band))
-            frame.fill(loops, FILL_LEVEL, facecolor=colour, edgecolor=colour, linewidth=0.1)
-        for chosen, look in ((values == 0.0, _EXACT), (np.isnan(values), missing_look())):
+            look = {"facecolor": colour, "edgecolor": colour, "linewidth": 0.1}
+            frame.fill(f"band-{band}", loops, FILL_LEVEL, **look)
+        for name, chosen, look in (
+            ("exact", values == 0.0, _EXACT),
+            ("missing", np.isnan(values), missing_look()),
+        ):
             loops = outline_of_cells(designs.points, designs.triangles, chosen)
-            frame.fill(loops, MISSING_LEVEL, **look)
+            frame.fill(name, loops, MISSING_LEVEL, **look)
         used = 0.0
         if len(levels):
             used = draw_bar(frame, list(colours), [magnitude_text(one) for one in levels], label)

@@ -91,15 +91,20 @@ class ChartFrame:
             **{"color": style.INK, **look},
         )
 
-    def fill(self, loops: Sequence[FloatArray], level: int, **look: Any) -> PathPatch | None:
-        """Fill a region given by closed loops, holes running the other way round."""
+    def fill(
+        self, name: str, loops: Sequence[FloatArray], level: int, **look: Any
+    ) -> PathPatch | None:
+        """Fill a region given by closed loops, holes running the other way round.
+
+        The name becomes the ``gid`` of the patch: the id of its group in an SVG file.
+        """
         if not loops:
             return None
         vertices = np.concatenate([np.vstack([loop, loop[:1]]) for loop in loops])
         codes = np.concatenate(
             [[Path.MOVETO, *[Path.LINETO] * (len(loop) - 1), Path.CLOSEPOLY] for loop in loops]
         )
-        patch = PathPatch(Path(vertices, codes), zorder=level, **look)
+        patch = PathPatch(Path(vertices, codes), zorder=level, gid=name, **look)
         self.axes.add_patch(patch)
         return patch
 
@@ -174,6 +179,7 @@ def chart_frame(chart: DesignChart, title: str, width: float, below: float) -> C
             linewidth=style.OUTLINE_WIDTH,
             joinstyle="round",
             zorder=BORDER_LEVEL,
+            gid="outline",
         )
     )
     ticks = [

@@ -116,7 +116,7 @@ def absent_triangles(
 def draw_missing(frame: ChartFrame, designs: ChartedDesigns, absent: BoolArray) -> None:
     """Hatch triangles that have no value."""
     loops = outline_of_triangles(designs.points, designs.triangles, absent)
-    frame.fill(loops, MISSING_LEVEL, **missing_look())
+    frame.fill("missing", loops, MISSING_LEVEL, **missing_look())
 
 
 def fill_between_levels(
@@ -133,7 +133,7 @@ def fill_between_levels(
     filled = frame.axes.tricontourf(
         _triangulation(designs, absent), inside, levels=levels, colors=colours
     )
-    filled.set_zorder(FILL_LEVEL)
+    filled.set(zorder=FILL_LEVEL, gid="bands")
 
 
 def draw_levels(
@@ -142,6 +142,7 @@ def draw_levels(
     values: FloatArray,
     absent: BoolArray,
     levels: FloatArray,
+    name: str = "levels",
     colour: str = style.INK,
     width: float = style.LEVEL_WIDTH,
     dashes: str | tuple[float, tuple[float, ...]] = "solid",
@@ -149,7 +150,7 @@ def draw_levels(
     """Draw the lines at levels and write the level on each where there is room.
 
     The lines at the ends of the range of values are left out: on a plateau they would
-    only trace rounding errors.
+    only trace rounding errors. The name becomes the ``gid`` of the lines.
     """
     shown = values[np.unique(designs.triangles[~absent])]
     slack = 1e-6 * (levels[-1] - levels[0])
@@ -164,7 +165,7 @@ def draw_levels(
         linewidths=width,
         linestyles=[dashes],
     )
-    contours.set_zorder(LINE_LEVEL)
+    contours.set(zorder=LINE_LEVEL, gid=name)
     lines = [
         [np.asarray(line) * frame.scale for line in path.to_polygons(closed_only=False)]
         for path in contours.get_paths()

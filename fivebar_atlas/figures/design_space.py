@@ -52,7 +52,8 @@ def design_space_figure(
         frame = chart_frame(chart, title, width, _BOTTOM)
         colours = style.category_colours(len(chart.regions))
         for region, colour in zip(chart.regions, colours, strict=True):
-            frame.fill(region_loops(chart, region), FILL_LEVEL, facecolor=colour, linewidth=0.0)
+            loops = region_loops(chart, region)
+            frame.fill(region.name, loops, FILL_LEVEL, facecolor=colour, linewidth=0.0)
         lines = [
             line
             for axis in chart.axes

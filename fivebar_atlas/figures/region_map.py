@@ -133,7 +133,7 @@ def region_map(
         below += bar_height(filled.label, width) if len(levels) else 0.0
         frame = chart_frame(designs.chart, title, width, below)
         draw_missing(frame, designs, absent)
-        frame.fill(region.loops, REGION_LEVEL, **region_look)
+        frame.fill("region", region.loops, REGION_LEVEL, **region_look)
         used = 0.0
         if len(levels):
             strong = style.colour_map()(np.linspace(0.0, 1.0, len(levels) - 1))
@@ -149,6 +149,7 @@ def region_map(
                 lined.values,
                 absent_lines,
                 line_levels,
+                name="dashed-levels",
                 colour=_LINES,
                 width=0.6,
                 dashes=_DASHES,
