@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+_ROOT = Path(__file__).parent.parent
 _BLOCK = re.compile(r"^```console\n(.*?)^```", re.MULTILINE | re.DOTALL)
 _ATLAS = [sys.executable, "-c", "from fivebar_atlas.cli import main; main()"]
 
@@ -43,10 +45,10 @@ def make(page: Path, folder: Path) -> None:
         If a command fails; the message carries what it printed.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    package = Path(__file__).parent.parent / "fivebar_atlas"
-    newest = max(
-        file.stat().st_mtime for file in [page, Path(__file__), *package.rglob("*.py")]
-    )
+    # The commands name configurations as one does in the root of the repository.
+    shutil.copytree(_ROOT / "configs", folder / "configs", dirs_exist_ok=True)
+    sources = [page, *_ROOT.glob("configs/*.toml"), *_ROOT.glob("fivebar_atlas/**/*.py")]
+    newest = max(file.stat().st_mtime for file in sources)
     for arguments in commands(page.read_text(encoding="utf-8")):
         output = _output(arguments)
         if output is not None:
