@@ -268,7 +268,7 @@ def normalise(lengths: Sequence[float]) -> tuple[FloatArray, float]:
             raise InputError(name, value, "a finite length above 0")
     if not (math.isfinite(r3) and r3 >= 0.0):
         raise InputError("R3", r3, "a finite length of at least 0")
-    factor = r1 / 3.0 + r2 / 3.0 + r3 / 3.0
+    factor = (r1 + r2 + r3) / 3.0
     least, greatest = FACTOR_RANGE
     if not least <= factor <= greatest:
         raise InputError(
