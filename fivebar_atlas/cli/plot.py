@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from fivebar_atlas.cli import options
 from fivebar_atlas.errors import UnknownNameError
 
 Command = Callable[..., None]
@@ -41,9 +42,7 @@ def plot() -> None:
 def figure_options(command: Command) -> Command:
     """Add the options that every kind of figure has."""
     for option in (
-        click.option(
-            "--overwrite", is_flag=True, help="Replace the figure if the file exists already."
-        ),
+        options.overwrite_option,
         click.option(
             "--width",
             type=float,
@@ -57,8 +56,8 @@ def figure_options(command: Command) -> Command:
             "--output",
             type=click.Path(path_type=Path),
             required=True,
-            metavar="FIGURE",
-            help="The figure: .png, .pdf or .svg.",
+            metavar="FIGURE.(png|pdf|svg)",
+            help="Figure; the ending decides the format.",
         ),
     ):
         command = option(command)
@@ -77,18 +76,18 @@ def file_options(command: Command) -> Command:
         click.option(
             "--mode", metavar="MODE", help="Mode pair, such as +-/up, where the file holds several."
         ),
-        click.argument("file", type=click.Path(path_type=Path)),
+        options.file_argument,
     ):
         command = option(command)
     return command
 
 
 @plot.command("design-space")
-@click.argument("file", type=click.Path(path_type=Path), required=False)
-@click.option("--space", metavar="SPACE", help="Design space to draw without a FILE.")
+@click.argument("file", metavar="[FILE.h5]", required=False, type=click.Path())
+@click.option("--space", metavar="NAME", help="Design space: surrounded or assemblable.")
 @figure_options
 def design_space(
-    file: Path | None, space: str | None, output: Path, width: float, overwrite: bool
+    file: str | None, space: str | None, output: Path, width: float, overwrite: bool
 ) -> None:
     """Draw the planar-closed design space with its sub-regions.
 
@@ -116,7 +115,7 @@ def design_space(
 
 def _draw_quantity(
     name: str,
-    file: Path,
+    file: str,
     mode: str | None,
     lci: float | None,
     output: Path,
@@ -171,7 +170,7 @@ for _kind, (_name, _meaning) in _QUANTITY_KINDS.items():
 @figure_options
 def region(
     wheres: tuple[str, ...],
-    file: Path,
+    file: str,
     mode: str | None,
     lci: float | None,
     output: Path,

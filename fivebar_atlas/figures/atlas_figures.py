@@ -17,11 +17,12 @@ from fivebar_atlas.figures.category_map import category_map, magnitude_map
 from fivebar_atlas.figures.charted_designs import ChartedDesigns
 from fivebar_atlas.figures.contour_map import contour_map
 from fivebar_atlas.figures.region_map import Layer, region_map
-from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Quantity, ResultArray
+from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Flags, Quantity, ResultArray
 from fivebar_atlas.store import Atlas
 from fivebar_atlas.triangulated_regions import Region
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
 #: The quantities of the two atlases that an optimum region is drawn on.
@@ -31,6 +32,8 @@ CONDITIONING = "gci"
 #: The quantity that explains every value that is not a number.
 STATUS = "status"
 
+# How the meaning of a status begins that says there is no workspace.
+_EMPTY = "empty"
 _MINUS = "\N{MINUS SIGN}"
 _SIGNS = {
     ">=": "\N{GREATER-THAN OR EQUAL TO}",
@@ -86,13 +89,10 @@ def quantity_figure(
     title = title_of(atlas, array, mode, lci)
     if quantity.flags is not None:
         return category_map(designs, values.astype(np.int64), quantity.flags, title, width=width)
-    label = label_of(array)
-    if array.is_error:
-        missing = why_missing(atlas, quantity, values, mode)
-        return magnitude_map(designs, values, title, label, missing=missing, width=width)
-    empty = stands_for_nothing(quantity, values)
-    missing = why_missing(atlas, quantity, np.where(empty, np.nan, values), mode)
-    return contour_map(designs, values, title, label, empty=empty, missing=missing, width=width)
+    values = np.where(without_workspace(atlas, quantity, mode), np.nan, values)
+    draw = magnitude_map if array.is_error else contour_map
+    missing = why_missing(atlas, quantity, values, mode)
+    return draw(designs, values, title, label_of(array), missing=missing, width=width)
 
 
 def region_figure(
@@ -138,10 +138,9 @@ def region_figure(
     for name in (AREA, CONDITIONING):
         array = stored_array(atlas, name)
         values = atlas.select(name, mode, lci)
-        empty = stands_for_nothing(array.quantity, values)
-        layers.append(Layer(values, label_of(array), empty))
-        gone = np.where(empty, np.nan, values)
-        reasons.append(why_missing(atlas, array.quantity, gone, mode))
+        values = np.where(without_workspace(atlas, array.quantity, mode), np.nan, values)
+        layers.append(Layer(values, label_of(array)))
+        reasons.append(why_missing(atlas, array.quantity, values, mode))
     parameters = [parameter.name for parameter in atlas.mechanism.parameters]
     bounded = [stored_array(atlas, name) for name, _, _ in conditions if name not in parameters]
     parts = ["Optimum region", _mode_part(atlas, mode)]
@@ -184,7 +183,9 @@ def title_of(atlas: Atlas, array: ResultArray, mode: str | None, lci: float | No
     text = array.quantity.long_name
     if array.is_error:
         text = f"error of the {text}"
-    parts = [text[:1].upper() + text[1:]]
+    # A letter that begins the name is a symbol and keeps its case.
+    is_symbol = text[1:2] == " "
+    parts = [text if is_symbol else text[:1].upper() + text[1:]]
     if MODE in array.quantity.dimensions:
         parts.append(_mode_part(atlas, mode))
     if THRESHOLD in array.quantity.dimensions:
@@ -213,6 +214,21 @@ def condition_text(atlas: Atlas, name: str, operator: str, bound: float) -> str:
     return f"{symbols[name]} {_SIGNS[operator]} {number}"
 
 
+def without_workspace(atlas: Atlas, quantity: Quantity, mode: str | None) -> BoolArray:
+    """Return the designs for which there is no workspace, shape (designs,).
+
+    Their area is 0, but nothing leads from there to the areas around: they are drawn as
+    what they are and not interpolated.
+    """
+    flags, status = _status(atlas, quantity, mode)
+    bits = [
+        bit
+        for bit, meaning in zip(flags.values, flags.meanings, strict=True)
+        if meaning.startswith(_EMPTY)
+    ]
+    return np.asarray((status & sum(bits)) != 0)
+
+
 def why_missing(atlas: Atlas, quantity: Quantity, values: FloatArray, mode: str | None) -> str:
     """Return what all designs without a value have in common, in the words of their status.
 
@@ -230,21 +246,24 @@ def why_missing(atlas: Atlas, quantity: Quantity, values: FloatArray, mode: str 
     Returns
     -------
     str
-        ``"no value"`` where the status does not say it.
+        The first of the meanings; ``"no value"`` where the status does not say it.
     """
+    flags, status = _status(atlas, quantity, mode)
     gone = np.isnan(values)
-    status = next((each for each in atlas.mechanism.quantities if each.name == STATUS), None)
-    if status is None or status.flags is None or not status.flags.masks or not gone.any():
-        return "no value"
-    if MODE not in quantity.dimensions:
-        return "no value"
-    shared = int(np.bitwise_and.reduce(atlas.select(STATUS, mode)[gone].astype(np.int64)))
-    return status.flags.describe(shared).replace("_", " ") if shared else "no value"
+    shared = int(np.bitwise_and.reduce(status[gone])) if gone.any() else 0
+    for bit, meaning in zip(flags.values, flags.meanings, strict=True):
+        if shared & bit:
+            return meaning.replace("_", " ")
+    return "no value"
 
 
-def stands_for_nothing(quantity: Quantity, values: FloatArray) -> BoolArray:
-    """Return where 0 is the area of a workspace that does not exist, shape (designs,)."""
-    return np.asarray((values == 0.0) & (quantity.length_power == 2))
+def _status(atlas: Atlas, quantity: Quantity, mode: str | None) -> tuple[Flags, IntArray]:
+    """Return the status of every design, as bits; 0 where it does not tell of the quantity."""
+    for each in atlas.mechanism.quantities:
+        applies = each.name == STATUS and set(each.dimensions) <= set(quantity.dimensions)
+        if applies and each.flags is not None and each.flags.masks:
+            return each.flags, atlas.select(STATUS, mode).astype(np.int64)
+    return Flags((), (), masks=True), np.zeros(len(atlas.designs), dtype=np.int64)
 
 
 def _mode_part(atlas: Atlas, mode: str | None) -> str:

@@ -113,7 +113,8 @@ def draw_bar(
 
 def key_height(entries: Sequence[KeyEntry], width: float) -> float:
     """Return the height in millimetres that a key needs; 0 without entries."""
-    return _KEY_GAP * bool(entries) + _LINE * len(_rows(entries, width)) + _PADDING * bool(entries)
+    lines = sum(_row_lines(row, width) for row in _rows(entries, width))
+    return (_KEY_GAP + _PADDING) * bool(entries) + _LINE * lines
 
 
 def draw_key(frame: ChartFrame, entries: Sequence[KeyEntry], below: float) -> None:
@@ -124,53 +125,68 @@ def draw_key(frame: ChartFrame, entries: Sequence[KeyEntry], below: float) -> No
     frame
         The figure.
     entries
-        The entries.
+        The entries; a text wider than the figure is broken into lines.
     below
         Where to begin, in millimetres below the chart.
     """
     if not entries:
         return
     rows = _rows(entries, frame.width)
-    height = _LINE * len(rows)
+    height = _LINE * sum(_row_lines(row, frame.width) for row in rows)
     axes = frame.add_strip(0.0, below + _KEY_GAP, frame.width, height)
     axes.set_label("key")
     axes.set_axis_off()
     axes.set_xlim(0, frame.width)
     axes.set_ylim(-height, 0)
-    for number, row in enumerate(rows):
-        used = sum(_entry_width(entry) for entry in row) + _COLUMN_GAP * (len(row) - 1)
+    top = 0.0
+    for row in rows:
+        used = sum(_entry_width(each, frame.width) for each in row) + _COLUMN_GAP * (len(row) - 1)
         x = (frame.width - used) / 2
-        middle = -_LINE * (number + 0.5)
         for entry in row:
+            middle = top - 0.5 * _LINE
             if "facecolor" in entry.look:
                 axes.add_patch(Rectangle((x, middle - 1.1), _SWATCH, 2.2, **entry.look))
             elif entry.look:
                 axes.plot([x, x + _SWATCH], [middle, middle], **entry.look)
-            axes.text(
-                x + (_SWATCH + 1.0 if entry.look else 0.0),
-                middle - 0.85,
-                entry.text,
-                fontsize=style.NOTE_SIZE,
-                ha="left",
-                va="baseline",
-                color=style.INK,
-            )
-            x += _entry_width(entry) + _COLUMN_GAP
+            for number, line in enumerate(_lines(entry, frame.width)):
+                axes.text(
+                    x + _swatch_width(entry),
+                    middle - 0.85 - _LINE * number,
+                    line,
+                    fontsize=style.NOTE_SIZE,
+                    ha="left",
+                    va="baseline",
+                    color=style.INK,
+                )
+            x += _entry_width(entry, frame.width) + _COLUMN_GAP
+        top -= _LINE * _row_lines(row, frame.width)
 
 
-def _entry_width(entry: KeyEntry) -> float:
-    swatch = _SWATCH + 1.0 if entry.look else 0.0
-    return swatch + text_size(entry.text, style.NOTE_SIZE)[0]
+def _swatch_width(entry: KeyEntry) -> float:
+    return _SWATCH + 1.0 if entry.look else 0.0
+
+
+def _lines(entry: KeyEntry, width: float) -> list[str]:
+    return wrapped(entry.text, style.NOTE_SIZE, width - 2 * _MARGIN - _swatch_width(entry))
+
+
+def _entry_width(entry: KeyEntry, width: float) -> float:
+    widest = max(text_size(line, style.NOTE_SIZE)[0] for line in _lines(entry, width))
+    return _swatch_width(entry) + widest
+
+
+def _row_lines(row: Sequence[KeyEntry], width: float) -> int:
+    return max(len(_lines(entry, width)) for entry in row)
 
 
 def _rows(entries: Sequence[KeyEntry], width: float) -> list[list[KeyEntry]]:
     rows: list[list[KeyEntry]] = []
     room = 0.0
     for entry in entries:
-        needed = _entry_width(entry) + _COLUMN_GAP
-        if not rows or needed > room + _COLUMN_GAP:
+        needed = _entry_width(entry, width)
+        if not rows or needed > room:
             rows.append([])
             room = width - 2 * _MARGIN
         rows[-1].append(entry)
-        room -= needed
+        room -= needed + _COLUMN_GAP
     return rows

@@ -11,8 +11,6 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Steps between levels, times a power of ten.
 ROUND_STEPS = (1.0, 2.0, 2.5, 5.0)
-#: Values closer than this, relative to their size, are one value.
-_ONE_VALUE = 1e-9
 
 
 def round_levels(least: float, greatest: float, bands: int = 14) -> FloatArray:
@@ -21,7 +19,7 @@ def round_levels(least: float, greatest: float, bands: int = 14) -> FloatArray:
     Parameters
     ----------
     least, greatest
-        Range of the values, both finite.
+        Range of the values, both finite, the second greater.
     bands
         Greatest number of bands between levels.
 
@@ -32,10 +30,6 @@ def round_levels(least: float, greatest: float, bands: int = 14) -> FloatArray:
         ``least``, the last at or above ``greatest``, at least two. The finest step is
         taken that needs no more than ``bands`` bands.
     """
-    size = max(abs(least), abs(greatest))
-    if greatest - least <= _ONE_VALUE * size or size == 0.0:
-        spread = 0.5 * size if size > 0.0 else 1.0
-        least, greatest = least - spread / bands, greatest + spread / bands
     exponent = math.floor(math.log10((greatest - least) / bands)) - 1
     while True:
         for step in ROUND_STEPS:

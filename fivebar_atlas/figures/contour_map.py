@@ -21,6 +21,7 @@ from fivebar_atlas.figures.chart_frame import (
 )
 from fivebar_atlas.figures.charted_designs import ChartedDesigns
 from fivebar_atlas.figures.colour_bar import (
+    KeyEntry,
     bar_height,
     draw_bar,
     draw_key,
@@ -38,6 +39,8 @@ BoolArray = npt.NDArray[np.bool_]
 
 #: A line longer than this many millimetres carries a second label.
 _LABEL_REPEAT = 55.0
+#: Values closer than this, relative to their size, are one value.
+_ONE_VALUE = 1e-9
 
 
 def contour_map(
@@ -46,7 +49,6 @@ def contour_map(
     title: str,
     label: str,
     *,
-    empty: BoolArray | None = None,
     missing: str = "no value",
     width: float = style.COLUMN_WIDTH,
 ) -> Figure:
@@ -60,9 +62,6 @@ def contour_map(
         One value for each design, shape (n,); NaN where there is none.
     title, label
         Title of the figure, and name and unit for the colour bar.
-    empty
-        Designs whose value stands for nothing (the area 0 of an empty workspace), shape
-        (n,). Triangles between three of them are drawn as missing, not as a colour.
     missing
         What the hatched area means, for the key.
     width
@@ -79,15 +78,23 @@ def contour_map(
         If the width is out of range, or the values are not one for each design.
     """
     designs.check(values)
-    absent = absent_triangles(designs, values, empty)
+    absent = absent_triangles(designs, values)
     shown = values[np.unique(designs.triangles[~absent])]
-    levels = round_levels(float(shown.min()), float(shown.max())) if len(shown) else np.empty(0)
-    key = [missing_entry(missing)] if absent.any() else []
+    levels = levels_of(shown)
+    key = []
+    if len(shown) and not len(levels):
+        text = f"{label}: {shown[0]:.6g} everywhere".replace("-", "\N{MINUS SIGN}")
+        key.append(KeyEntry(text, {"facecolor": style.colour_map()(0.5), "linewidth": 0.0}))
+    if absent.any():
+        key.append(missing_entry(missing))
     with styled():
         below = key_height(key, width) + (bar_height(label, width) if len(levels) else 0.0)
         frame = chart_frame(designs.chart, title, width, below)
         draw_missing(frame, designs, absent)
         used = 0.0
+        if len(shown) and not len(levels):
+            loops = outline_of_triangles(designs.points, designs.triangles, ~absent)
+            frame.fill("bands", loops, FILL_LEVEL, **key[0].look)
         if len(levels):
             colours = list(style.colour_map()(np.linspace(0.0, 1.0, len(levels) - 1)))
             fill_between_levels(frame, designs, values, absent, levels, colours)
@@ -99,18 +106,19 @@ def contour_map(
         return frame.figure
 
 
-def absent_triangles(
-    designs: ChartedDesigns, values: FloatArray, empty: BoolArray | None = None
-) -> BoolArray:
-    """Return the triangles that cannot be interpolated, shape (m,).
+def absent_triangles(designs: ChartedDesigns, values: FloatArray) -> BoolArray:
+    """Return the triangles with a missing value at a vertex, shape (m,)."""
+    return np.asarray(~np.isfinite(values[designs.triangles]).all(axis=1))
 
-    Those are the triangles with a missing value at a vertex, and those between three
-    designs whose value stands for nothing.
-    """
-    absent = ~np.isfinite(values[designs.triangles]).all(axis=1)
-    if empty is not None:
-        absent = absent | empty[designs.triangles].all(axis=1)
-    return np.asarray(absent)
+
+def levels_of(shown: FloatArray, bands: int = 14) -> FloatArray:
+    """Return round levels around values; none where they are all one, or there are none."""
+    if len(shown) == 0:
+        return np.empty(0)
+    least, greatest = float(shown.min()), float(shown.max())
+    if greatest - least <= _ONE_VALUE * max(abs(least), abs(greatest)):
+        return np.empty(0)
+    return round_levels(least, greatest, bands)
 
 
 def draw_missing(frame: ChartFrame, designs: ChartedDesigns, absent: BoolArray) -> None:
@@ -128,10 +136,13 @@ def fill_between_levels(
     colours: Sequence[Any],
 ) -> None:
     """Fill the bands between levels, exact for values linear on the triangles."""
-    # A rounding error beyond the outermost level must not leave a hole.
+    # A band does not include its upper level, and a rounding error may lead beyond either
+    # end: neither must leave a hole.
     inside = np.clip(values, levels[0], levels[-1])
+    slack = 1e-9 * (levels[-1] - levels[0])
+    edges = np.concatenate([[levels[0] - slack], levels[1:-1], [levels[-1] + slack]])
     filled = frame.axes.tricontourf(
-        _triangulation(designs, absent), inside, levels=levels, colors=colours
+        _triangulation(designs, absent), inside, levels=edges, colors=colours
     )
     filled.set(zorder=FILL_LEVEL, gid="bands")
 

@@ -21,18 +21,18 @@ from fivebar_atlas.figures.colour_bar import (
     key_height,
     missing_entry,
 )
-from fivebar_atlas.figures.contour_levels import level_text, round_levels
+from fivebar_atlas.figures.contour_levels import level_text
 from fivebar_atlas.figures.contour_map import (
     absent_triangles,
     draw_levels,
     draw_missing,
     fill_between_levels,
+    levels_of,
 )
 from fivebar_atlas.figures.style import styled
 from fivebar_atlas.triangulated_regions import Region
 
 FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 _LINES = "#8a1500"
 _DASHES = (0.0, (5.0, 1.6))
@@ -52,13 +52,10 @@ class Layer:
         One value for each design, shape (n,); NaN where there is none.
     label
         Name and unit.
-    empty
-        Designs whose value stands for nothing, shape (n,); None if all have a meaning.
     """
 
     values: FloatArray
     label: str
-    empty: BoolArray | None = None
 
 
 def region_map(
@@ -106,10 +103,9 @@ def region_map(
     """
     for layer in (filled, lined):
         designs.check(layer.values)
-    absent = absent_triangles(designs, filled.values, filled.empty)
-    absent_lines = absent_triangles(designs, lined.values, lined.empty)
+    absent, absent_lines = (absent_triangles(designs, each.values) for each in (filled, lined))
     levels, line_levels = (
-        _levels(designs, layer.values, gone)
+        levels_of(layer.values[np.unique(designs.triangles[~gone])], _BANDS)
         for layer, gone in ((filled, absent), (lined, absent_lines))
     )
     region_look = {
@@ -157,10 +153,3 @@ def region_map(
         draw_key(frame, key, used)
         draw_sub_regions(frame)
         return frame.figure
-
-
-def _levels(designs: ChartedDesigns, values: FloatArray, absent: BoolArray) -> FloatArray:
-    shown = values[np.unique(designs.triangles[~absent])]
-    if len(shown) == 0:
-        return np.empty(0)
-    return round_levels(float(shown.min()), float(shown.max()), _BANDS)
