@@ -250,12 +250,15 @@ def _name(location: tuple[int | str, ...], source: str) -> str:
 def _check_keys(values: dict[str, Any], source: str) -> None:
     """Raise UnknownNameError at the first key that is not known."""
     known = list(_dotted_keys(ConfigurationFile))
-    tables = {key.partition(".")[0] for key in known if "." in key}
     for key, value in values.items():
-        names = [f"{key}.{inner}" for inner in value] if isinstance(value, dict) else [key]
-        for name in names or [key]:
-            # A table with a plain value is of the wrong type, not unknown.
-            if name not in known and name not in tables:
+        if key not in ConfigurationFile.model_fields:
+            # A key may have been meant for a table, a table only to be one.
+            tables = list(ConfigurationFile.model_fields)
+            raise UnknownNameError(source, key, tables if isinstance(value, dict) else known)
+        if not isinstance(value, dict):
+            continue
+        for name in (f"{key}.{inner}" for inner in value):
+            if name not in known:
                 raise UnknownNameError(source, name, known)
 
 

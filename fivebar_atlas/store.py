@@ -614,7 +614,7 @@ def _reading(path: Path) -> Iterator[None]:
     """Turn whatever h5py raises on a damaged file into one error."""
     try:
         yield
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
+    except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
         detail = " ".join(str(error).split())
         raise FileError(path, f"is damaged: {detail}") from None
 

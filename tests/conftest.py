@@ -70,7 +70,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
 
 @pytest.fixture
 def toy_settings(toy: str) -> SweepSettings:
-    """A sweep of the toy mechanism in several blocks."""
+    """Return a sweep of the toy mechanism in several blocks."""
     return SweepSettings(toy, "whole", 200, ("right", "left"), (0.25, 0.5, 0.75), 1e-6)
 
 
@@ -80,7 +80,10 @@ def start() -> Iterator[Callable[..., subprocess.Popen[str]]]:
     processes: list[subprocess.Popen[str]] = []
 
     def run(script: str, *arguments: object, **options: object) -> subprocess.Popen[str]:
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
+        environment = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")]),
+        }
         process = subprocess.Popen(
             [sys.executable, "-c", script, *(str(argument) for argument in arguments)],
             env=environment,

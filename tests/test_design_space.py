@@ -34,7 +34,7 @@ def triples_one_by_one(space: str, resolution: int) -> list[tuple[int, int, int]
 
 
 def sub_region_by_fractions(r1: Fraction, r2: Fraction, r3: Fraction) -> str:
-    """The paper's definition, in exact numbers."""
+    """Decide by the definition of the paper, in exact numbers."""
     if r1 < r3 or r2 < r3:
         return "outside"
     if r2 > r1 + r3:
@@ -94,7 +94,9 @@ def test_triangles_tile_the_convex_hull_of_the_designs(space: str, resolution: i
     hull = ConvexHull(np.column_stack([i, k]))
     assert doubled.sum() == round(2.0 * hull.volume)
     # Positive areas that sum to the hull, edges met by two triangles or on the hull: a tiling.
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]))
+    edges = np.sort(
+        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    )
     _, counts = np.unique(edges, axis=0, return_counts=True)
     assert counts.max() <= 2
 
@@ -137,9 +139,7 @@ def test_sub_region_of_integers_and_of_floats_agree_with_exact_numbers(resolutio
         assert [design_space.SUB_REGIONS.describe(int(code)) for code in codes] == expected
 
 
-@given(
-    st.integers(1, 5000), st.integers(1, 5000), st.integers(0, 5000), st.floats(1e-50, 1e50)
-)
+@given(st.integers(1, 5000), st.integers(1, 5000), st.integers(0, 5000), st.floats(1e-50, 1e50))
 def test_sub_region_does_not_depend_on_the_scale(i: int, j: int, k: int, scale: float) -> None:
     lengths = np.array([i, j, k])
     assert design_space.sub_region(lengths * scale) == design_space.sub_region(lengths)
@@ -164,7 +164,9 @@ def test_sub_region_does_not_depend_on_the_scale(i: int, j: int, k: int, scale: 
     ],
 )
 def test_sub_region_of_known_designs(lengths: tuple[float, float, float], name: str) -> None:
-    assert design_space.SUB_REGIONS.describe(int(design_space.sub_region(np.array(lengths)))) == name
+    assert (
+        design_space.SUB_REGIONS.describe(int(design_space.sub_region(np.array(lengths)))) == name
+    )
 
 
 def test_projection_is_equilateral() -> None:
@@ -190,7 +192,7 @@ def test_charts_have_the_outline_of_their_space() -> None:
 
 
 def unproject(point: tuple[float, float]) -> tuple[float, float, float]:
-    """The design at a point of the chart."""
+    """Return the design at a point of the chart."""
     x, y = point
     r1 = (math.sqrt(3) * x - y) / 2
     return r1, 3 - r1 - y, y

@@ -65,7 +65,7 @@ class ToyMechanism(Mechanism):
         return np.column_stack([steps, resolution - steps]) / float(resolution)
 
     def triangles(self, space: str, resolution: int) -> IntArray:  # noqa: ARG002
-        """A line has none."""
+        """Return none: the designs lie on a line."""
         return np.empty((0, 3), dtype=np.int64)
 
     def axes(self, settings: SweepSettings) -> tuple[Axis, ...]:
@@ -84,7 +84,7 @@ class ToyMechanism(Mechanism):
     def evaluate(
         self, parameters: FloatArray, settings: SweepSettings
     ) -> dict[str, npt.NDArray[Any]]:
-        """Closed forms, with a hole (NaN, status 1) where a = 0."""
+        """Return closed forms, with a hole (NaN, status 1) where a = 0."""
         a, b = parameters.T
         signs = np.array([1.0 if mode == "left" else -1.0 for mode in settings.modes])
         area = np.where(a > 0.0, a * np.sin(b) + a * a, np.nan)[:, None] * signs
@@ -100,10 +100,10 @@ class ToyMechanism(Mechanism):
         }
 
     def project(self, parameters: FloatArray) -> FloatArray:
-        """A line is its own chart."""
+        """Return the parameters themselves."""
         return parameters.copy()
 
     def chart(self, space: str) -> DesignChart:
-        """An outline and nothing else."""
+        """Return an outline and nothing else."""
         self.check_space(space)
         return DesignChart(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), (), (), ())
