@@ -40,7 +40,7 @@ html_theme = "furo"
 html_title = f"fivebar-atlas {version}"
 
 
-def generate(app: Sphinx) -> None:
+def generate(_app: Sphinx) -> None:
     """Run the gallery's commands and compute the validation table."""
     generated = HERE / "_generated"
     make_gallery.make(HERE / "gallery.md", generated / "gallery")

@@ -21,12 +21,9 @@ _ATLAS = [sys.executable, "-c", "from fivebar_atlas.cli import main; main()"]
 
 def commands(text: str) -> list[list[str]]:
     """Return the arguments of every ``atlas`` command in a page, in their order."""
-    found = []
-    for block in _BLOCK.findall(text):
-        for line in block.replace("\\\n", " ").splitlines():
-            if line.startswith("$ atlas "):
-                found.append(shlex.split(line.removeprefix("$ atlas ")))
-    return found
+    lines = "".join(_BLOCK.findall(text)).replace("\\\n", " ").splitlines()
+    prompt = "$ atlas "
+    return [shlex.split(line.removeprefix(prompt)) for line in lines if line.startswith(prompt)]
 
 
 def make(page: Path, folder: Path) -> None:
