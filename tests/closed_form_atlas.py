@@ -22,19 +22,19 @@ EMPTY, NO_LOWER_CIRCLE = 1, 16
 
 
 def area(designs: FloatArray) -> FloatArray:
-    """An area that falls off with r3 and towards short links."""
+    """Return an area that falls off with r3 and towards short links."""
     r1, r2, r3 = designs.T
     return 12.0 * r1 * r2 * (1.0 - 0.5 * r3)
 
 
 def conditioning(designs: FloatArray) -> FloatArray:
-    """An index with one summit on r3 = 0."""
+    """Return an index with one summit on r3 = 0."""
     r1, _, r3 = designs.T
     return 0.67 * np.exp(-((r1 - 1.3) ** 2) - 1.5 * r3)
 
 
 def empty_designs(designs: FloatArray) -> npt.NDArray[np.bool_]:
-    """The designs without a workspace in every mode pair but the first."""
+    """Return the designs without a workspace in every mode pair but the first."""
     return designs[:, 0] > 1.9
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import closed_form_atlas
 import numpy as np
@@ -138,9 +137,7 @@ def test_margins_are_those_of_the_stored_values(atlas: Atlas) -> None:
     margins = condition_margins(conditions, atlas, "+-/up")
 
     assert margins.shape == (3, len(atlas.designs))
-    np.testing.assert_array_equal(
-        margins[0], closed_form_atlas.conditioning(atlas.designs) - 0.5
-    )
+    np.testing.assert_array_equal(margins[0], closed_form_atlas.conditioning(atlas.designs) - 0.5)
     np.testing.assert_array_equal(margins[1], 0.2 - atlas.designs[:, 2])
     np.testing.assert_array_equal(margins[2], np.full(len(atlas.designs), 1e-6 - 1e-9))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 
 import numpy as np
 import numpy.typing as npt
@@ -40,14 +41,13 @@ def round_levels(least: float, greatest: float, bands: int = 14) -> FloatArray:
 
 
 def _multiples(least: float, greatest: float, step: float, exponent: int) -> FloatArray:
-    width = float(f"{step:g}e{exponent:d}")
+    # In decimals, so that each level is the double nearest to what is written.
+    width = Decimal(str(step)).scaleb(exponent)
     # Values a rounding error beyond a level belong to it, not to a band of their own.
     slack = 1e-6
-    first = math.floor(least / width + slack)
-    last = max(math.ceil(greatest / width - slack), first + 1)
-    return np.array(
-        [float(f"{count * step:.12g}e{exponent:d}") for count in range(first, last + 1)]
-    )
+    first = math.floor(least / float(width) + slack)
+    last = max(math.ceil(greatest / float(width) - slack), first + 1)
+    return np.array([float(count * width) for count in range(first, last + 1)])
 
 
 def magnitude_levels(least: float, greatest: float, bands: int = 12) -> FloatArray:

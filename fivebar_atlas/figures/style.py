@@ -52,6 +52,8 @@ _SETTINGS: dict[str, Any] = {
     "hatch.linewidth": 0.4,
     "text.usetex": False,
     "text.parse_math": True,
+    # Hinting moves letters by parts of a pixel; text is placed by its unhinted size.
+    "text.hinting": "no_hinting",
     "path.simplify": False,
     "savefig.dpi": RESOLUTION,
     "savefig.bbox": None,

@@ -117,6 +117,8 @@ def text_origin(text: str, size: float, box: Box) -> tuple[float, float]:
 
 def wrapped(text: str, size: float, width: float) -> list[str]:
     """Break a text at spaces into lines no wider than ``width`` millimetres."""
+    # On a screen letters are moved to whole pixels, which makes a line a little longer.
+    width *= 0.97
     lines: list[str] = []
     for word in text.split(" "):
         longer = f"{lines[-1]} {word}" if lines else word
@@ -220,7 +222,7 @@ def _candidates(
         if room < 0.3:
             continue
         covered = int(box.contains(avoid, gap=0.25).sum())
-        shunned = int(box.contains(shun, gap=0.4).sum())
+        shunned = int(box.contains(shun, gap=0.7).sum())
         off_centre = abs(middle - length / 2) / length
         steep = abs(angle) / 90.0
         bend = 1.0 - chord / width
