@@ -1,0 +1,682 @@
+"""GCI, good-condition workspace and largest LCI over the strips of a usable workspace.
+
+Liu et al. 2006, Eq. 33 and Sec. 9.2; all averages run over planar area.
+
+A strip is cut into *panels* in φ: at isotropic points, and wherever the number of times
+that the rays cross a level LCI = threshold changes (there the integrals over the rays have
+square-root ends). In a panel, every ray is cut at its stationary points and level crossings
+and each piece is integrated by a Gauss-Kronrod pair; a second pair runs across the rays.
+Both use nodes clustered at both ends, which undoes the square roots at serial singularities
+and tangent rays and weakens what is left at cones. Each panel returns integrals and error
+estimates; the worst panel is halved until the sums meet the tolerance.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from fivebar_atlas.jit import kernel
+from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.five_bar.isotropy import MAX_ISOTROPIC
+from fivebar_atlas.mechanisms.five_bar.jacobian import conditioning_ratio, conditioning_slope, lci
+from fivebar_atlas.mechanisms.five_bar.rays import (
+    MAX_CROSSINGS,
+    MAX_STATIONARY,
+    Rays,
+    allocate_rays,
+    highest_on_ray,
+    place_ray,
+    scan_rays,
+)
+from fivebar_atlas.mechanisms.five_bar.workspace import Decomposition, contains
+from fivebar_atlas.numerics.quadrature import Rule, cluster, clustered_gauss_kronrod, kronrod_error
+from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
+
+IndexArray = npt.NDArray[np.int64]
+
+MAX_PANELS = 400
+#: Orders of the Gauss rules along a ray; a panel takes the lowest that meets the tolerance.
+ALONG_ORDERS = (7, 11, 15, 23, 31)
+#: Order of the Gauss rule across the rays of a panel.
+ACROSS_ORDER = 7
+#: Share of the tolerance that is left to errors along rays.
+ALONG_SHARE = 0.3
+#: A panel narrower than this is not cut at level changes any more.
+LEAST_PANEL = 1e-9
+#: Most cuts of a panel made at once; its parts are looked at again.
+MAX_LEVEL_CUTS = 32
+#: Angle to which a level change is located.
+ANGLE_TOLERANCE = 1e-14
+#: Panels whose whole area is below this share of the tolerance are bounded, not integrated.
+NEGLIGIBLE_SHARE = 1e-4
+
+
+class Panels(NamedTuple):
+    """Panels of one usable workspace and their integrals.
+
+    Column 0 of ``value`` and ``error`` is ∫ LCI dW; columns 1 ... k are the areas with LCI at
+    or above each of k thresholds; columns k + 1 ... 2k are ∫ LCI dW over those parts.
+
+    Attributes
+    ----------
+    start, end
+        Angles, shape (MAX_PANELS,).
+    strip
+        Strip that each lies in, shape (MAX_PANELS,).
+    value, error
+        Integrals and absolute error estimates, shape (MAX_PANELS, 2k + 1).
+    pending_start, pending_end, pending_strip
+        Stack of panels still to be looked at, shape (MAX_PANELS,).
+    total, total_error
+        Sums over the panels, shape (2k + 1,).
+    gauss
+        Sums with the embedded Gauss rule, of one panel, shape (2k + 1,).
+    row, row_error
+        Integrals along one ray and their error estimates, shape (2k + 1,).
+    along_error
+        Errors along the rays of one panel, shape (2k + 1,).
+    cuts
+        Sorted cut positions of one ray, shape (cuts,).
+    level_cuts
+        Angles at which to cut a panel, shape (MAX_LEVEL_CUTS,).
+    isotropic
+        Isotropic points of the working mode, shape (MAX_ISOTROPIC, 2).
+    saved_q
+        Stationary values at the two ends of a bracket, shape (2, MAX_STATIONARY).
+    rays
+        The rays of one panel.
+    along
+        Quadrature rules along rays, of growing order.
+    across
+        Quadrature rule across rays.
+    """
+
+    start: FloatArray
+    end: FloatArray
+    strip: IndexArray
+    value: FloatArray
+    error: FloatArray
+    pending_start: FloatArray
+    pending_end: FloatArray
+    pending_strip: IndexArray
+    total: FloatArray
+    total_error: FloatArray
+    gauss: FloatArray
+    row: FloatArray
+    row_error: FloatArray
+    along_error: FloatArray
+    cuts: FloatArray
+    level_cuts: FloatArray
+    isotropic: FloatArray
+    saved_q: FloatArray
+    rays: Rays
+    along: tuple[Rule, ...]
+    across: Rule
+
+
+def allocate_panels(thresholds: int, tolerance: float) -> Panels:
+    """Return the arrays for integrating at a tolerance with so many thresholds."""
+    across = clustered_gauss_kronrod(ACROSS_ORDER)
+    columns = 2 * thresholds + 1
+    return Panels(
+        start=np.zeros(MAX_PANELS),
+        end=np.zeros(MAX_PANELS),
+        strip=np.zeros(MAX_PANELS, dtype=np.int64),
+        value=np.zeros((MAX_PANELS, columns)),
+        error=np.zeros((MAX_PANELS, columns)),
+        pending_start=np.zeros(MAX_PANELS),
+        pending_end=np.zeros(MAX_PANELS),
+        pending_strip=np.zeros(MAX_PANELS, dtype=np.int64),
+        total=np.zeros(columns),
+        total_error=np.zeros(columns),
+        gauss=np.zeros(columns),
+        row=np.zeros(columns),
+        row_error=np.zeros(columns),
+        along_error=np.zeros(columns),
+        cuts=np.zeros(MAX_STATIONARY + MAX_CROSSINGS * thresholds + 2),
+        level_cuts=np.zeros(MAX_LEVEL_CUTS),
+        isotropic=np.zeros((MAX_ISOTROPIC, 2)),
+        saved_q=np.zeros((2, MAX_STATIONARY)),
+        rays=allocate_rays(len(across.nodes), thresholds),
+        along=tuple(clustered_gauss_kronrod(order) for order in ALONG_ORDERS),
+        across=across,
+    )
+
+
+@kernel
+def _piece(
+    r1: float, r2: float, r3: float, c: float, s: float, start: float, end: float,
+    s1: float, s2: float, rule: Rule,
+) -> tuple[float, float]:  # fmt: skip
+    """Return the Kronrod and Gauss sums of ∫ LCI ρ dρ between two distances on a ray."""
+    length = end - start
+    kronrod, gauss = 0.0, 0.0
+    nodes, weights, gauss_weights = rule.nodes, rule.weights, rule.gauss_weights
+    for j in range(len(nodes)):
+        rho = start + length * nodes[j]
+        f = rho * lci(r1, r2, r3, rho * c, rho * s, s1, s2)
+        kronrod += weights[j] * f
+        gauss += gauss_weights[j] * f
+    return kronrod * length, gauss * length
+
+
+@kernel
+def _integrate_ray(
+    p: Panels, row: int, level: int, ratios: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float,
+) -> None:  # fmt: skip
+    """Integrate along one ray into ``p.row`` and ``p.row_error``."""
+    rays = p.rays
+    thresholds = len(ratios)
+    c, s, low, length = rays.c[row], rays.s[row], rays.low[row], rays.length[row]
+    cuts = p.cuts
+    n = 1
+    cuts[0] = 0.0
+    for j in range(rays.stationary_count[row]):
+        cuts[n] = rays.stationary_v[row, j]
+        n += 1
+    for kind in range(thresholds):
+        for j in range(rays.crossing_count[row, kind]):
+            cuts[n] = rays.crossing_v[row, kind, j]
+            n += 1
+    cuts[n] = 1.0
+    n += 1
+    for j in range(1, n):  # insertion sort of a few numbers
+        v = cuts[j]
+        k = j
+        while k > 0 and cuts[k - 1] > v:
+            cuts[k] = cuts[k - 1]
+            k -= 1
+        cuts[k] = v
+    p.row[:] = 0.0
+    p.row_error[:] = 0.0
+    start = low
+    rule = p.along[level]
+    for j in range(1, n):
+        end = low + length * cluster(cuts[j])
+        if end <= start:
+            continue
+        kronrod, gauss = _piece(r1, r2, r3, c, s, start, end, s1, s2, rule)
+        error = kronrod_error(abs(kronrod - gauss), abs(kronrod))
+        p.row[0] += kronrod
+        p.row_error[0] += error
+        if thresholds > 0:
+            middle = 0.5 * (start + end)
+            q = conditioning_ratio(r1, r2, r3, middle * c, middle * s, s1, s2)
+            for kind in range(thresholds):
+                if q >= ratios[kind]:
+                    p.row[1 + kind] += middle * (end - start)
+                    p.row[1 + thresholds + kind] += kronrod
+                    p.row_error[1 + thresholds + kind] += error
+        start = end
+
+
+@kernel
+def _integrate_panel(
+    p: Panels, panel: int, level: int, ratios: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float,
+) -> float:  # fmt: skip
+    """Integrate over a panel whose rays are in ``p.rays``; set its value and error.
+
+    Returns the share of the error of ∫ LCI dW that comes from along the rays, relative to
+    the integral: a higher level of the rule lowers it, halving the panel does not.
+    """
+    columns = len(p.total)
+    width = p.end[panel] - p.start[panel]
+    weights, gauss_weights = p.across.weights, p.across.gauss_weights
+    value, gauss = p.value[panel], p.gauss
+    value[:] = 0.0
+    gauss[:] = 0.0
+    p.along_error[:] = 0.0
+    for row in range(len(weights)):
+        _integrate_ray(p, row, level, ratios, r1, r2, r3, s1, s2)
+        for m in range(columns):
+            value[m] += weights[row] * p.row[m]
+            gauss[m] += gauss_weights[row] * p.row[m]
+            p.along_error[m] += weights[row] * p.row_error[m]
+    along = p.along_error[0] / (value[0] + 1e-300)
+    for m in range(columns):
+        error = kronrod_error(abs(value[m] - gauss[m]), abs(value[m])) + p.along_error[m]
+        p.error[panel, m] = (error + 1e-15 * abs(value[m])) * width
+        value[m] *= width
+    return along
+
+
+@kernel
+def _scan_single(
+    p: Panels, phi: float, lower: int, upper: int, ratios: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
+) -> int:  # fmt: skip
+    """Place one ray in the spare row and scan it; return that row."""
+    spare = len(p.rays.phi) - 1
+    place_ray(p.rays, spare, phi, lower, upper, r1, r2, r3)
+    scan_rays(p.rays, spare, spare + 1, lower, ratios, r1, r2, r3, s1, s2, assembly)
+    return spare
+
+
+@kernel
+def _passing_value(p: Panels, ratio: float, count: int) -> int:
+    """Return the one stationary value that passes a level between the two rays whose values
+    are in ``p.saved_q``, or -1 where there is none or more than one.
+    """  # noqa: D205
+    which = -1
+    for j in range(count):
+        if (p.saved_q[0, j] > ratio) != (p.saved_q[1, j] > ratio):
+            if which >= 0:
+                return -1
+            which = j
+    return which
+
+
+@kernel
+def _locate_change(
+    p: Panels, row0: int, row1: int, kind: int, lower: int, upper: int, ratios: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
+) -> float:  # fmt: skip
+    """Return the angle between two rays where the number of level crossings changes.
+
+    At that angle the level curve is tangent to the ray: a stationary value of q passes
+    through the level. The number of crossings is bisected until one such value can be
+    followed from end to end; its height above the level is then brought to zero.
+    """
+    rays = p.rays
+    ratio = ratios[kind]
+    x1, x2 = rays.phi[row0], rays.phi[row1]
+    crossings = rays.crossing_count[row0, kind]
+    count1, count2 = rays.stationary_count[row0], rays.stationary_count[row1]
+    p.saved_q[0] = rays.stationary_q[row0]
+    p.saved_q[1] = rays.stationary_q[row1]
+    while abs(x2 - x1) > ANGLE_TOLERANCE:
+        which = _passing_value(p, ratio, count1) if count1 == count2 else -1
+        if which >= 0:
+            f1, f2 = p.saved_q[0, which] - ratio, p.saved_q[1, which] - ratio
+            share = first_share(f1, f2)
+            while share != FOUND:
+                x = x1 + share * (x2 - x1)
+                row = _scan_single(p, x, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
+                if rays.stationary_count[row] != count1:
+                    break  # a pair of stationary points is born in between: bisect on
+                f = rays.stationary_q[row, which] - ratio
+                if (f > 0.0) == (f1 > 0.0):
+                    x3, f3 = x1, f1
+                else:
+                    x3, f3, x2, f2 = x2, f2, x1, f1
+                x1, f1 = x, f
+                share = next_share(x1, f1, x2, f2, x3, f3, ANGLE_TOLERANCE)
+            if share == FOUND:
+                return x1
+            row = _scan_single(p, x1, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
+            crossings = rays.crossing_count[row, kind]
+            count1 = count2 = -1
+        x = 0.5 * (x1 + x2)
+        row = _scan_single(p, x, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
+        if rays.crossing_count[row, kind] == crossings:
+            x1, count1 = x, rays.stationary_count[row]
+            p.saved_q[0] = rays.stationary_q[row]
+        else:
+            x2, count2 = x, rays.stationary_count[row]
+            p.saved_q[1] = rays.stationary_q[row]
+    return 0.5 * (x1 + x2)
+
+
+@kernel
+def _hidden_vertex(p: Panels, row: int, which: int, ratio: float) -> float:
+    """Return where a stationary value may pass a level and come back between rays, or NaN.
+
+    That may be if of three neighbouring rays the middle one is nearest to the level, and a
+    parabola through the three reaches it or nearly so; its vertex is returned.
+    """
+    rays = p.rays
+    f0 = rays.stationary_q[row - 1, which] - ratio
+    f1 = rays.stationary_q[row, which] - ratio
+    f2 = rays.stationary_q[row + 1, which] - ratio
+    if f1 > 0.0:
+        f0, f1, f2 = -f0, -f1, -f2
+    if f1 <= f0 or f1 <= f2:
+        return math.nan
+    h0 = rays.phi[row] - rays.phi[row - 1]
+    h2 = rays.phi[row + 1] - rays.phi[row]
+    slope0, slope2 = (f1 - f0) / h0, (f2 - f1) / h2
+    bend = (slope2 - slope0) / (h0 + h2)
+    tilt = (slope0 * h2 + slope2 * h0) / (h0 + h2)
+    if f1 - 0.25 * tilt * tilt / bend < -0.1 * (2.0 * f1 - f0 - f2):
+        return math.nan
+    return rays.phi[row] - 0.5 * tilt / bend
+
+
+@kernel
+def _corner_change(
+    p: Panels, row: int, corner: float, kind: int, lower: int, upper: int, ratios: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
+) -> float:  # fmt: skip
+    """Return the angle of a level change between a strip's end and the ray next to it, or NaN.
+
+    LCI may have any limit in a corner of the workspace, so a level curve may end in one.
+    """
+    rays = p.rays
+    x1 = corner + 1e-7 * (rays.phi[row] - corner)
+    x2 = rays.phi[row]
+    spare = _scan_single(p, x1, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
+    crossings = rays.crossing_count[spare, kind]
+    if crossings == rays.crossing_count[row, kind]:
+        return math.nan
+    for _ in range(30):
+        x = 0.5 * (x1 + x2)
+        spare = _scan_single(p, x, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
+        if rays.crossing_count[spare, kind] == crossings:
+            x1 = x
+        else:
+            x2 = x
+    return 0.5 * (x1 + x2)
+
+
+@kernel
+def _level_changes(
+    p: Panels, corner_start: bool, corner_end: bool, start: float, end: float,
+    lower: int, upper: int, ratios: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
+) -> int:  # fmt: skip
+    """Collect in ``p.level_cuts`` the angles at which to cut a panel; return their number.
+
+    Neighbouring rays that cross a level a different number of times have such an angle
+    between them; neighbours that do not may hide two. Next to the end of a strip the level
+    is followed into the corner.
+    """
+    rays = p.rays
+    n = len(p.across.nodes)
+    cuts = 0
+    for kind in range(len(ratios)):
+        for side in range(2):
+            if not (corner_start if side == 0 else corner_end) or cuts >= MAX_LEVEL_CUTS:
+                continue
+            row, corner = (0, start) if side == 0 else (n - 1, end)
+            x = _corner_change(
+                p, row, corner, kind, lower, upper, ratios, r1, r2, r3, s1, s2, assembly
+            )
+            if not math.isnan(x):
+                p.level_cuts[cuts] = x
+                cuts += 1
+        for row in range(n - 1):
+            if (
+                rays.crossing_count[row, kind] != rays.crossing_count[row + 1, kind]
+                and cuts < MAX_LEVEL_CUTS
+            ):
+                p.level_cuts[cuts] = _locate_change(
+                    p, row, row + 1, kind, lower, upper, ratios, r1, r2, r3, s1, s2, assembly
+                )
+                cuts += 1
+        for row in range(1, n - 1):
+            count = rays.stationary_count[row]
+            if count != rays.stationary_count[row - 1] or count != rays.stationary_count[row + 1]:
+                continue
+            for which in range(count):
+                x = _hidden_vertex(p, row, which, ratios[kind])
+                if not math.isnan(x) and cuts < MAX_LEVEL_CUTS:
+                    spare = _scan_single(
+                        p, x, lower, upper, ratios, r1, r2, r3, s1, s2, assembly
+                    )
+                    if rays.crossing_count[spare, kind] != rays.crossing_count[row, kind]:
+                        p.level_cuts[cuts] = x
+                        cuts += 1
+    p.level_cuts[:cuts].sort()
+    return cuts
+
+
+@kernel
+def _push(p: Panels, pending: int, start: float, end: float, strip: int) -> int:
+    """Put a panel on the stack of pending ones; return their number."""
+    if end > start and pending < MAX_PANELS:
+        p.pending_start[pending] = start
+        p.pending_end[pending] = end
+        p.pending_strip[pending] = strip
+        return pending + 1
+    return pending
+
+
+@kernel
+def _settle(
+    p: Panels, d: Decomposition, pending: int, panels: int, tolerance: float, negligible: float,
+    ratios: FloatArray, best: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
+) -> int:  # fmt: skip
+    """Integrate all pending panels, cutting them at level changes; return the panel count.
+
+    ``best`` keeps the largest q seen, its angle, its distance, the neighbouring angles and
+    the strip.
+    """
+    outer2 = (r1 + r2) * (r1 + r2)
+    n = len(p.across.nodes)
+    while pending > 0 and panels < MAX_PANELS:
+        pending -= 1
+        start, end, strip = (
+            p.pending_start[pending], p.pending_end[pending], p.pending_strip[pending],
+        )  # fmt: skip
+        lower, upper = d.strip_lower[strip], d.strip_upper[strip]
+        p.start[panels] = start
+        p.end[panels] = end
+        p.strip[panels] = strip
+        bound = 0.5 * outer2 * (end - start)
+        if bound < negligible:
+            p.value[panels] = 0.0
+            p.error[panels] = bound
+            panels += 1
+            continue
+        for row in range(n):
+            phi = start + (end - start) * p.across.nodes[row]
+            place_ray(p.rays, row, phi, lower, upper, r1, r2, r3)
+        scan_rays(p.rays, 0, n, lower, ratios, r1, r2, r3, s1, s2, assembly)
+        for row in range(n):
+            q, rho = highest_on_ray(p.rays, row)
+            if q > best[0]:
+                best[0] = q
+                best[1] = p.rays.phi[row]
+                best[2] = rho
+                best[3] = p.rays.phi[row - 1] if row > 0 else start
+                best[4] = p.rays.phi[row + 1] if row < n - 1 else end
+                best[5] = strip
+        if end - start > LEAST_PANEL:
+            cuts = _level_changes(
+                p, start == d.strip_from[strip], end == d.strip_to[strip], start, end,
+                lower, upper, ratios, r1, r2, r3, s1, s2, assembly,
+            )  # fmt: skip
+            margin = 1e-8 * (end - start)
+            left = start
+            for k in range(cuts):
+                if left + margin < p.level_cuts[k] < end - margin:
+                    pending = _push(p, pending, left, p.level_cuts[k], strip)
+                    left = p.level_cuts[k]
+            if left > start:
+                pending = _push(p, pending, left, end, strip)
+                continue
+        for level in range(len(p.along)):
+            along = _integrate_panel(p, panels, level, ratios, r1, r2, r3, s1, s2)
+            if along <= ALONG_SHARE * tolerance:
+                break
+        panels += 1
+    return panels
+
+
+@kernel
+def _sum_panels(p: Panels, panels: int) -> None:
+    """Add up the panels' integrals and errors."""
+    p.total[:] = 0.0
+    p.total_error[:] = 0.0
+    for k in range(panels):
+        for m in range(len(p.total)):
+            p.total[m] += p.value[k, m]
+            p.total_error[m] += p.error[k, m]
+
+
+@kernel
+def _excess(p: Panels, error: FloatArray, tolerance: float, floor: float) -> float:
+    """Return the largest ratio of an error to what the tolerance allows it."""
+    worst = 0.0
+    for m in range(len(p.total)):
+        worst = max(worst, error[m] / (tolerance * abs(p.total[m]) + floor))
+    return worst
+
+
+@kernel
+def _cut_at_isotropic_points(
+    p: Panels, d: Decomposition, strip: int, isotropic: int, pending: int,
+    r1: float, r2: float, r3: float,
+) -> int:  # fmt: skip
+    """Push a strip's panels, cut at the angles of isotropic points and of a base joint.
+
+    A base joint lies inside the workspace only for r1 = r2, where the inner reach circles
+    are points; LCI has a cone there too, with its tip at zero.
+    """
+    start, end = d.strip_from[strip], d.strip_to[strip]
+    while start < end:
+        cut = end
+        for k in range(isotropic + 2):
+            if k < isotropic:
+                angle = math.atan2(p.isotropic[k, 1], p.isotropic[k, 0])
+                if angle < -0.5 * math.pi:
+                    angle += 2.0 * math.pi
+            elif abs(r1 - r2) < 1e-9:
+                angle = 0.0 if k == isotropic else math.pi
+            else:
+                continue
+            if start + LEAST_PANEL < angle < cut - LEAST_PANEL:
+                cut = angle
+        pending = _push(p, pending, start, cut, strip)
+        start = cut
+    return pending
+
+
+@kernel
+def integrate_strips(
+    p: Panels, d: Decomposition, strips: int, isotropic: int, ratios: FloatArray,
+    tolerance: float, area: float, best: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
+) -> bool:  # fmt: skip
+    """Integrate LCI and the good-condition workspace over all strips.
+
+    Parameters
+    ----------
+    p
+        Receives ``total`` and ``total_error``; ``isotropic`` holds the isotropic points.
+    d
+        Decomposition with the strips of the usable workspace.
+    strips, isotropic
+        Number of strips and of isotropic points.
+    ratios
+        Threshold ratios, shape (k,).
+    tolerance
+        Relative tolerance of every integral.
+    area
+        Area of the strips.
+    best
+        Receives the largest q on any ray and where, shape (6,).
+    r1, r2, r3, s1, s2, assembly
+        Design and mode pair.
+
+    Returns
+    -------
+    bool
+        Whether the tolerance was reached.
+    """
+    negligible = NEGLIGIBLE_SHARE * tolerance * area
+    floor = 1e-13 * area
+    best[:] = 0.0
+    pending = 0
+    for strip in range(strips):
+        pending = _cut_at_isotropic_points(p, d, strip, isotropic, pending, r1, r2, r3)
+    panels = _settle(
+        p, d, pending, 0, tolerance, negligible, ratios, best, r1, r2, r3, s1, s2, assembly
+    )
+    while True:
+        _sum_panels(p, panels)
+        if _excess(p, p.total_error, tolerance, floor) <= 1.0:
+            return True
+        if panels >= MAX_PANELS - 4:
+            return False
+        worst, worst_panel = 0.0, 0
+        for k in range(panels):
+            excess = _excess(p, p.error[k], tolerance, floor)
+            if excess > worst:
+                worst, worst_panel = excess, k
+        start, end, strip = p.start[worst_panel], p.end[worst_panel], p.strip[worst_panel]
+        middle = 0.5 * (start + end)
+        if not start < middle < end:
+            return False
+        panels -= 1  # the last panel takes the place of the one that is halved
+        p.start[worst_panel] = p.start[panels]
+        p.end[worst_panel] = p.end[panels]
+        p.strip[worst_panel] = p.strip[panels]
+        p.value[worst_panel] = p.value[panels]
+        p.error[worst_panel] = p.error[panels]
+        pending = _push(p, 0, start, middle, strip)
+        pending = _push(p, pending, middle, end, strip)
+        panels = _settle(
+            p, d, pending, panels, tolerance, negligible, ratios, best, r1, r2, r3, s1, s2, assembly
+        )
+
+
+@kernel
+def largest_lci(
+    p: Panels, d: Decomposition, strips: int, isotropic: int, best: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Return the largest LCI of the usable workspace and where (x, y) it occurs.
+
+    At an isotropic point it is 1 (of several, the one of largest y, then of largest x, is
+    returned). Otherwise the rays next to the best one seen bracket it. It may also lie on a
+    panel's end, such as the y axis or a corner of the workspace.
+    """
+    found = -1
+    for k in range(isotropic):
+        x, y = p.isotropic[k, 0], p.isotropic[k, 1]
+        phi = math.atan2(y, x)
+        if phi < -0.5 * math.pi:
+            phi += 2.0 * math.pi
+        if not contains(d, r1, r2, r3, strips, phi, math.sqrt(x * x + y * y)):
+            continue
+        if (
+            found < 0
+            or y > p.isotropic[found, 1]
+            or (y == p.isotropic[found, 1] and x > p.isotropic[found, 0])
+        ):
+            found = k
+    if found >= 0:
+        x, y = p.isotropic[found, 0], p.isotropic[found, 1]
+        return lci(r1, r2, r3, x, y, s1, s2), x, y
+    # The largest q of a ray, m(φ), has the derivative ∂q/∂φ at that point: find its zero.
+    strip = int(best[5])
+    lower, upper = d.strip_lower[strip], d.strip_upper[strip]
+    none = p.cuts[:0]  # no thresholds
+    x1, x2 = best[3], best[4]
+    f1, f2, x3, f3 = 0.0, 0.0, 0.0, 0.0
+    share = 0.0
+    for step in range(50):
+        phi = x1 if step == 0 else x2 if step == 1 else x1 + share * (x2 - x1)
+        row = _scan_single(p, phi, lower, upper, none, r1, r2, r3, s1, s2, assembly)
+        q, rho = highest_on_ray(p.rays, row)
+        if q > best[0]:
+            best[0], best[1], best[2] = q, phi, rho
+        c, s = p.rays.c[row], p.rays.s[row]
+        f = conditioning_slope(r1, r2, r3, rho * c, rho * s, -s, c, s1, s2, assembly)
+        if step == 0:
+            f1 = f
+            continue
+        if step == 1:
+            f2 = f
+            if f1 <= 0.0 or f2 >= 0.0:  # m falls from the one end or rises to the other
+                break
+            share = first_share(f1, f2)
+            continue
+        if (f > 0.0) == (f1 > 0.0):
+            x3, f3 = x1, f1
+        else:
+            x3, f3, x2, f2 = x2, f2, x1, f1
+        x1, f1 = phi, f
+        share = next_share(x1, f1, x2, f2, x3, f3, 1e-9)
+        if share == FOUND:
+            break
+    x, y = best[2] * math.cos(best[1]), best[2] * math.sin(best[1])
+    return lci(r1, r2, r3, x, y, s1, s2), x, y

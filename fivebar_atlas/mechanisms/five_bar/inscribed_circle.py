@@ -1,0 +1,309 @@
+"""Maximal inscribed circles of a usable workspace, centred on the y axis.
+
+The distance from a point of the axis to the boundary of the usable workspace is the least
+distance to its boundary arcs, the lower and upper curves of the strips. Along the axis that
+distance is sampled; next to the largest samples its maximum is closed in on.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from fivebar_atlas.jit import kernel
+from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.five_bar.singularity import (
+    COUPLER_PLUS,
+    ORIGIN,
+    circle_of,
+    radius_along,
+)
+from fivebar_atlas.mechanisms.five_bar.workspace import LEAST_WIDTH, MAX_CELLS, Decomposition
+
+#: Points of the axis, per interval inside the workspace, where the distance is sampled.
+AXIS_SAMPLES = 24
+#: Points of a coupler arc that bracket its nearest point.
+ARC_SAMPLES = 12
+#: The centre is found to this accuracy (lengths sum to 3).
+CENTRE_TOLERANCE = 1e-12
+
+
+class Arcs(NamedTuple):
+    """Boundary arcs of a usable workspace.
+
+    Attributes
+    ----------
+    curve
+        Curve of each arc, shape (2 MAX_CELLS,).
+    start, end
+        Angles where it begins and ends, shape (2 MAX_CELLS,).
+    x0, y0, x1, y1
+        End points, shape (2 MAX_CELLS,).
+    sample_x, sample_y
+        Points of the coupler arcs, shape (2 MAX_CELLS, ARC_SAMPLES).
+    """
+
+    curve: npt.NDArray[np.int64]
+    start: FloatArray
+    end: FloatArray
+    x0: FloatArray
+    y0: FloatArray
+    x1: FloatArray
+    y1: FloatArray
+    sample_x: FloatArray
+    sample_y: FloatArray
+
+
+def allocate_arcs() -> Arcs:
+    """Return the arrays for boundary arcs."""
+    room = 2 * MAX_CELLS
+    return Arcs(
+        np.zeros(room, dtype=np.int64),
+        *(np.zeros(room) for _ in range(6)),
+        *(np.zeros((room, ARC_SAMPLES)) for _ in range(2)),
+    )
+
+
+@kernel
+def collect_arcs(
+    arcs: Arcs, d: Decomposition, r1: float, r2: float, r3: float, strips: int
+) -> int:
+    """Gather the boundary arcs of the strips; return their number."""
+    count = 0
+    for strip in range(strips):
+        for side in range(2):
+            curve = d.strip_lower[strip] if side == 0 else d.strip_upper[strip]
+            if curve == ORIGIN:
+                continue
+            start, end = d.strip_from[strip], d.strip_to[strip]
+            arcs.curve[count] = curve
+            arcs.start[count] = start
+            arcs.end[count] = end
+            c, s = math.cos(start), math.sin(start)
+            rho = radius_along(curve, r1, r2, r3, c, s)
+            arcs.x0[count], arcs.y0[count] = rho * c, rho * s
+            c, s = math.cos(end), math.sin(end)
+            rho = radius_along(curve, r1, r2, r3, c, s)
+            arcs.x1[count], arcs.y1[count] = rho * c, rho * s
+            if curve >= COUPLER_PLUS:
+                for k in range(ARC_SAMPLES):
+                    phi = start + (end - start) * (k + 0.5) / ARC_SAMPLES
+                    c, s = math.cos(phi), math.sin(phi)
+                    rho = radius_along(curve, r1, r2, r3, c, s)
+                    arcs.sample_x[count, k] = rho * c
+                    arcs.sample_y[count, k] = rho * s
+            count += 1
+    return count
+
+
+@kernel
+def _nearest_on_coupler(
+    arcs: Arcs, k: int, centre: float, best2: float, r1: float, r2: float, r3: float
+) -> tuple[float, float]:
+    """Return the squared distance from (0, centre) to a coupler arc and the ordinate there.
+
+    The samples bracket the nearest point; golden sections close in on it. Arcs whose
+    samples are too far to beat ``best2`` are left at that.
+    """
+    near, near2 = 0, math.inf
+    for j in range(ARC_SAMPLES):
+        x, y = arcs.sample_x[k, j], arcs.sample_y[k, j] - centre
+        distance2 = x * x + y * y
+        if distance2 < near2:
+            near, near2 = j, distance2
+    # between samples the arc is nearer by no more than the chord to a neighbour
+    other = near + 1 if near + 1 < ARC_SAMPLES else near - 1
+    gap = math.hypot(
+        arcs.sample_x[k, near] - arcs.sample_x[k, other],
+        arcs.sample_y[k, near] - arcs.sample_y[k, other],
+    )
+    if math.sqrt(near2) - 1.5 * gap > math.sqrt(best2):
+        return near2, arcs.sample_y[k, near]
+    step = (arcs.end[k] - arcs.start[k]) / ARC_SAMPLES
+    middle = arcs.start[k] + (near + 0.5) * step
+    a, b = max(middle - step, arcs.start[k]), min(middle + step, arcs.end[k])
+    golden = 0.6180339887498949
+    u, v = b - golden * (b - a), a + golden * (b - a)
+    fu, yu = _coupler_distance(arcs, k, u, centre, r1, r2, r3)
+    fv, yv = _coupler_distance(arcs, k, v, centre, r1, r2, r3)
+    while b - a > 1e-8:  # the distance is then stationary to rounding
+        if fu < fv:
+            b, v, fv, yv = v, u, fu, yu
+            u = b - golden * (b - a)
+            fu, yu = _coupler_distance(arcs, k, u, centre, r1, r2, r3)
+        else:
+            a, u, fu, yu = u, v, fv, yv
+            v = a + golden * (b - a)
+            fv, yv = _coupler_distance(arcs, k, v, centre, r1, r2, r3)
+    return (fu, yu) if fu < fv else (fv, yv)
+
+
+@kernel
+def _coupler_distance(
+    arcs: Arcs, k: int, phi: float, centre: float, r1: float, r2: float, r3: float
+) -> tuple[float, float]:
+    """Return the squared distance from (0, centre) to a coupler arc's point, and its y."""
+    c, s = math.cos(phi), math.sin(phi)
+    rho = radius_along(arcs.curve[k], r1, r2, r3, c, s)
+    x, y = rho * c, rho * s
+    return x * x + (y - centre) * (y - centre), y
+
+
+@kernel
+def _nearest_on_circle(
+    arcs: Arcs, k: int, centre: float, r1: float, r2: float, r3: float
+) -> tuple[float, float]:
+    """Return the squared distance from (0, centre) to a circle and the ordinate there.
+
+    Returns (inf, 0) where the circle's nearest point is not on the arc.
+    """
+    a, b, radius, sheet = circle_of(arcs.curve[k], r1, r2, r3)
+    gx, gy = -a, centre - b
+    span = math.sqrt(gx * gx + gy * gy)
+    if span == 0.0:
+        x, y = arcs.x0[k], arcs.y0[k]
+    else:
+        x, y = a + radius * gx / span, b + radius * gy / span
+        if ((x - a) * x + (y - b) * y) * sheet < 0.0:
+            return math.inf, 0.0
+        phi = math.atan2(y, x)
+        if phi < -0.5 * math.pi:
+            phi += 2.0 * math.pi
+        if not arcs.start[k] - 1e-12 <= phi <= arcs.end[k] + 1e-12:
+            return math.inf, 0.0
+    return x * x + (y - centre) * (y - centre), y
+
+
+@kernel
+def clearance(
+    arcs: Arcs, count: int, centre: float, r1: float, r2: float, r3: float
+) -> tuple[float, float]:
+    """Return the distance from (0, centre) to the nearest boundary arc and its slope.
+
+    The slope is the derivative with respect to ``centre``, -1 to 1.
+    """
+    best2, best_y = math.inf, 0.0
+    for k in range(count):
+        for end in range(2):
+            x = arcs.x0[k] if end == 0 else arcs.x1[k]
+            y = arcs.y0[k] if end == 0 else arcs.y1[k]
+            distance2 = x * x + (y - centre) * (y - centre)
+            if distance2 < best2:
+                best2, best_y = distance2, y
+        if arcs.curve[k] < COUPLER_PLUS:
+            distance2, y = _nearest_on_circle(arcs, k, centre, r1, r2, r3)
+            if distance2 < best2:
+                best2, best_y = distance2, y
+    for k in range(count):  # last, when most of them can be passed over
+        if arcs.curve[k] >= COUPLER_PLUS:
+            distance2, y = _nearest_on_coupler(arcs, k, centre, best2, r1, r2, r3)
+            if distance2 < best2:
+                best2, best_y = distance2, y
+    distance = math.sqrt(best2)
+    return distance, (centre - best_y) / distance if distance > 0.0 else 0.0
+
+
+@kernel
+def _close_in(
+    arcs: Arcs, count: int, left: float, right: float, r1: float, r2: float, r3: float
+) -> tuple[float, float]:
+    """Return the largest clearance between two points of the axis, and its centre.
+
+    Where the nearest arc changes, the clearance has a ridge: the tangents at both ends
+    meet near it. Steps that cut too little off are followed by a bisection.
+    """
+    f0, slope0 = clearance(arcs, count, left, r1, r2, r3)
+    f1, slope1 = clearance(arcs, count, right, r1, r2, r3)
+    best, centre = (f0, left) if f0 >= f1 else (f1, right)
+    bisect = False
+    for _ in range(80):
+        width = right - left
+        if width < CENTRE_TOLERANCE or slope0 <= 0.0 or slope1 >= 0.0:
+            break
+        x = left + (f1 - f0 - slope1 * width) / (slope0 - slope1)
+        if bisect or not left < x < right:
+            x = 0.5 * (left + right)
+        f, slope = clearance(arcs, count, x, r1, r2, r3)
+        if f > best:
+            best, centre = f, x
+        if slope > 0.0:
+            left, f0, slope0 = x, f, slope
+        else:
+            right, f1, slope1 = x, f, slope
+        bisect = not bisect and right - left > 0.5 * width
+    return best, centre
+
+
+@kernel
+def _largest_between(
+    arcs: Arcs, count: int, low: float, high: float, r1: float, r2: float, r3: float
+) -> tuple[float, float]:
+    """Return the largest clearance on an interval of the axis, and its centre."""
+    best, centre = -1.0, low
+    step = (high - low) / (AXIS_SAMPLES - 1)
+    before, _ = clearance(arcs, count, low, r1, r2, r3)
+    here, _ = clearance(arcs, count, low + step, r1, r2, r3)
+    if before > best:
+        best, centre = before, low
+    for k in range(1, AXIS_SAMPLES):
+        y = low + k * step if k < AXIS_SAMPLES - 1 else high
+        after = -1.0
+        if k < AXIS_SAMPLES - 1:
+            after, _ = clearance(arcs, count, y + step, r1, r2, r3)
+        # the clearance changes by no more than the step
+        if here >= before and here >= after and here + step > best:
+            f, x = _close_in(arcs, count, y - step, min(y + step, high), r1, r2, r3)
+            if f > best:
+                best, centre = f, x
+        before, here = here, after
+    return best, centre
+
+
+@kernel
+def maximal_inscribed_circle(
+    arcs: Arcs, count: int, d: Decomposition, r1: float, r2: float, r3: float,
+    sectors: int, component: int, upper_half: bool,
+) -> tuple[float, float]:  # fmt: skip
+    """Return radius and centre ordinate of the largest circle inside the usable workspace.
+
+    Its centre lies on the y axis, in the upper half (y ≥ 0) or the lower one (y ≤ 0).
+
+    Parameters
+    ----------
+    arcs, count
+        Boundary arcs of the usable workspace and their number.
+    d, sectors, component
+        Decomposition and the component that is the usable workspace.
+    r1, r2, r3
+        Lengths.
+    upper_half
+        Which half of the axis the centre may lie on.
+
+    Returns
+    -------
+    tuple of float
+        (-1, 0) where the workspace does not meet that half of the axis.
+    """
+    best, centre = -1.0, 0.0
+    phi = 0.5 * math.pi if upper_half else -0.5 * math.pi
+    sign = 1.0 if upper_half else -1.0
+    c, s = math.cos(phi), math.sin(phi)
+    for k in range(sectors):
+        starts = abs(d.angles[k] - phi) < 1e-9
+        ends = abs(d.angles[k + 1] - phi) < 1e-9
+        if not starts and not ends:
+            continue
+        for cell in range(d.first[k], d.first[k + 1]):
+            if d.component[cell] != component:
+                continue
+            low = radius_along(d.lower[cell], r1, r2, r3, c, s)
+            high = radius_along(d.upper[cell], r1, r2, r3, c, s)
+            if high - low > LEAST_WIDTH:
+                a, b = (low, high) if upper_half else (-high, -low)
+                radius, y = _largest_between(arcs, count, a, b, r1, r2, r3)
+                if radius > best and y * sign >= 0.0:
+                    best, centre = radius, y
+    return best, centre

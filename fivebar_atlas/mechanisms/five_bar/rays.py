@@ -1,0 +1,358 @@
+"""What LCI does along rays from the origin: its stationary points and level crossings.
+
+Rays are kept in rows of arrays, many at a time. Whatever costs square roots and divisions
+is evaluated in plain loops over arrays of points, which LLVM vectorises; the bookkeeping of
+the brackets runs between them.
+
+A position on a ray is v in [0, 1], with ρ = ρ_low + (ρ_high - ρ_low)(3 v² - 2 v³): in v
+everything is analytic up to serial singularities. Thresholds are given as ratios q = T/S
+(:func:`jacobian.threshold_ratio`); q is smooth and grows with LCI.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from fivebar_atlas.jit import kernel
+from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.five_bar.jacobian import conditioning_ratio, conditioning_slope
+from fivebar_atlas.mechanisms.five_bar.singularity import ORIGIN, radius_along
+from fivebar_atlas.numerics.quadrature import cluster
+from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
+
+IndexArray = npt.NDArray[np.int64]
+
+#: Positions at which a ray is sampled to find stationary points.
+SAMPLES = 16
+#: Most stationary points kept on a ray; more than five have not been seen.
+MAX_STATIONARY = 8
+#: Most crossings of one threshold kept on a ray.
+MAX_CROSSINGS = MAX_STATIONARY + 2
+#: A root is found when its bracket in v is this short.
+ROOT_TOLERANCE = 1e-13
+#: No root takes as many steps; Chandrupatla's rule needs about six.
+MAX_STEPS = 60
+
+
+class Brackets(NamedTuple):
+    """Brackets being narrowed, structure of arrays, each of shape (brackets,).
+
+    Attributes
+    ----------
+    row, kind, slot
+        Ray, threshold and place among its crossings that the root belongs to.
+    x1, f1, x2, f2
+        Points and values as in :func:`roots.next_share`.
+    trial
+        Position v where the function is evaluated next.
+    c, s, rho
+        The same point in polar form.
+    value
+        Function value at the trial points.
+    """
+
+    row: IndexArray
+    kind: IndexArray
+    slot: IndexArray
+    x1: FloatArray
+    f1: FloatArray
+    x2: FloatArray
+    f2: FloatArray
+    trial: FloatArray
+    c: FloatArray
+    s: FloatArray
+    rho: FloatArray
+    value: FloatArray
+
+
+class Rays(NamedTuple):
+    """Rays of one panel, one a row; the last row is spare, for single rays.
+
+    Attributes
+    ----------
+    phi, c, s
+        Angle, cosine, sine, shape (rows,).
+    low, length
+        Distance where the ray enters the strip and the length inside, shape (rows,).
+    sample_v
+        Positions where q and its slope are sampled, shape (SAMPLES,).
+    sample_q, sample_slope
+        The samples, shape (rows, SAMPLES).
+    sample_c, sample_s, sample_rho
+        Points of one ray's samples, shape (SAMPLES,).
+    stationary_count
+        Number of stationary points of q, shape (rows,).
+    stationary_sample
+        The sample just before each, shape (rows, MAX_STATIONARY).
+    stationary_v, stationary_q
+        Their positions and values, shape (rows, MAX_STATIONARY).
+    crossing_count
+        Number of crossings of each threshold, shape (rows, thresholds).
+    crossing_v
+        Their positions, shape (rows, thresholds, MAX_CROSSINGS).
+    brackets
+        Work space.
+    """
+
+    phi: FloatArray
+    c: FloatArray
+    s: FloatArray
+    low: FloatArray
+    length: FloatArray
+    sample_v: FloatArray
+    sample_q: FloatArray
+    sample_slope: FloatArray
+    sample_c: FloatArray
+    sample_s: FloatArray
+    sample_rho: FloatArray
+    stationary_count: IndexArray
+    stationary_sample: IndexArray
+    stationary_v: FloatArray
+    stationary_q: FloatArray
+    crossing_count: IndexArray
+    crossing_v: FloatArray
+    brackets: Brackets
+
+
+def allocate_rays(rows: int, thresholds: int) -> Rays:
+    """Return the arrays for so many rays (a spare one added) and thresholds."""
+    rows += 1
+    room = rows * MAX_CROSSINGS * max(thresholds, 1)
+    return Rays(
+        phi=np.zeros(rows),
+        c=np.zeros(rows),
+        s=np.zeros(rows),
+        low=np.zeros(rows),
+        length=np.zeros(rows),
+        # Chebyshev points in v; the map from v to ρ gathers them once more at the ends
+        sample_v=0.5 - 0.5 * np.cos(np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES),
+        sample_q=np.zeros((rows, SAMPLES)),
+        sample_slope=np.zeros((rows, SAMPLES)),
+        sample_c=np.zeros(SAMPLES),
+        sample_s=np.zeros(SAMPLES),
+        sample_rho=np.zeros(SAMPLES),
+        stationary_count=np.zeros(rows, dtype=np.int64),
+        stationary_sample=np.zeros((rows, MAX_STATIONARY), dtype=np.int64),
+        stationary_v=np.zeros((rows, MAX_STATIONARY)),
+        stationary_q=np.zeros((rows, MAX_STATIONARY)),
+        crossing_count=np.zeros((rows, thresholds), dtype=np.int64),
+        crossing_v=np.zeros((rows, thresholds, MAX_CROSSINGS)),
+        brackets=Brackets(
+            *(np.zeros(room, dtype=np.int64) for _ in range(3)),
+            *(np.zeros(room) for _ in range(9)),
+        ),
+    )
+
+
+@kernel
+def place_ray(
+    rays: Rays, row: int, phi: float, lower: int, upper: int, r1: float, r2: float, r3: float
+) -> None:
+    """Put the ray at angle φ, between two curves, into a row."""
+    c, s = math.cos(phi), math.sin(phi)
+    low = radius_along(lower, r1, r2, r3, c, s)
+    rays.phi[row] = phi
+    rays.c[row] = c
+    rays.s[row] = s
+    rays.low[row] = low
+    rays.length[row] = max(radius_along(upper, r1, r2, r3, c, s) - low, 0.0)
+
+
+@kernel
+def _ratios_at(
+    c: FloatArray, s: FloatArray, rho: FloatArray, out: FloatArray, count: int,
+    r1: float, r2: float, r3: float, s1: float, s2: float,
+) -> None:  # fmt: skip
+    """Evaluate q at ``count`` points given in polar form."""
+    for k in range(count):
+        out[k] = conditioning_ratio(r1, r2, r3, rho[k] * c[k], rho[k] * s[k], s1, s2)
+
+
+@kernel
+def _slopes_at(
+    c: FloatArray, s: FloatArray, rho: FloatArray, out: FloatArray, count: int,
+    r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
+) -> None:  # fmt: skip
+    """Evaluate a positive multiple of dq/dρ at ``count`` points given in polar form."""
+    for k in range(count):
+        out[k] = conditioning_slope(
+            r1, r2, r3, rho[k] * c[k], rho[k] * s[k], c[k], s[k], s1, s2, assembly
+        )
+
+
+@kernel
+def _open_bracket(
+    b: Brackets, k: int, row: int, kind: int, slot: int,
+    x1: float, f1: float, x2: float, f2: float,
+) -> int:  # fmt: skip
+    """Enter a bracket and its first trial point; return the number of brackets."""
+    b.row[k] = row
+    b.kind[k] = kind
+    b.slot[k] = slot
+    b.x1[k], b.f1[k] = x1, f1
+    b.x2[k], b.f2[k] = x2, f2
+    b.trial[k] = x1 + first_share(f1, f2) * (x2 - x1)
+    return k + 1
+
+
+@kernel
+def _place_trials(rays: Rays, count: int) -> None:
+    """Turn the trial positions v into points."""
+    b = rays.brackets
+    for k in range(count):
+        row = b.row[k]
+        b.c[k] = rays.c[row]
+        b.s[k] = rays.s[row]
+        b.rho[k] = rays.low[row] + rays.length[row] * cluster(b.trial[k])
+
+
+@kernel
+def _narrow(b: Brackets, k: int, f: float) -> float:
+    """Take in the value at bracket k's trial point; return the next share or FOUND."""
+    x = b.trial[k]
+    if (f > 0.0) == (b.f1[k] > 0.0):
+        x3, f3 = b.x1[k], b.f1[k]
+    else:
+        x3, f3 = b.x2[k], b.f2[k]
+        b.x2[k], b.f2[k] = b.x1[k], b.f1[k]
+    b.x1[k], b.f1[k] = x, f
+    return next_share(x, f, b.x2[k], b.f2[k], x3, f3, ROOT_TOLERANCE)
+
+
+@kernel
+def _keep(b: Brackets, k: int, kept: int, trial: float) -> int:
+    """Move bracket k to place ``kept`` with its next trial point."""
+    b.row[kept], b.kind[kept], b.slot[kept] = b.row[k], b.kind[k], b.slot[k]
+    b.x1[kept], b.f1[kept] = b.x1[k], b.f1[k]
+    b.x2[kept], b.f2[kept] = b.x2[k], b.f2[k]
+    b.trial[kept] = trial
+    return kept + 1
+
+
+@kernel
+def find_stationary_points(
+    rays: Rays, first: int, last: int,
+    r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
+) -> None:  # fmt: skip
+    """Find the stationary points of q on the rays of rows first ... last - 1.
+
+    q and its analytic slope are sampled along each ray; every change of the slope's sign is
+    narrowed to a point.
+    """
+    b = rays.brackets
+    count = 0
+    for row in range(first, last):
+        for j in range(SAMPLES):
+            rays.sample_c[j] = rays.c[row]
+            rays.sample_s[j] = rays.s[row]
+            rays.sample_rho[j] = rays.low[row] + rays.length[row] * cluster(rays.sample_v[j])
+        slope, q = rays.sample_slope[row], rays.sample_q[row]
+        _slopes_at(
+            rays.sample_c, rays.sample_s, rays.sample_rho, slope, SAMPLES,
+            r1, r2, r3, s1, s2, assembly,
+        )  # fmt: skip
+        _ratios_at(
+            rays.sample_c, rays.sample_s, rays.sample_rho, q, SAMPLES, r1, r2, r3, s1, s2
+        )
+        found = 0
+        for j in range(SAMPLES - 1):
+            if (slope[j] > 0.0) != (slope[j + 1] > 0.0) and found < MAX_STATIONARY:
+                rays.stationary_sample[row, found] = j
+                count = _open_bracket(
+                    b, count, row, 0, found,
+                    rays.sample_v[j], slope[j], rays.sample_v[j + 1], slope[j + 1],
+                )  # fmt: skip
+                found += 1
+        rays.stationary_count[row] = found
+    for _ in range(MAX_STEPS):
+        if count == 0:
+            break
+        _place_trials(rays, count)
+        _slopes_at(b.c, b.s, b.rho, b.value, count, r1, r2, r3, s1, s2, assembly)
+        kept = 0
+        for k in range(count):
+            share = _narrow(b, k, b.value[k])
+            if share == FOUND:
+                rho = b.rho[k]
+                rays.stationary_v[b.row[k], b.slot[k]] = b.x1[k]
+                rays.stationary_q[b.row[k], b.slot[k]] = conditioning_ratio(
+                    r1, r2, r3, rho * b.c[k], rho * b.s[k], s1, s2
+                )
+            else:
+                kept = _keep(b, k, kept, b.x1[k] + share * (b.x2[k] - b.x1[k]))
+        count = kept
+
+
+@kernel
+def find_crossings(
+    rays: Rays, first: int, last: int, lower: int, ratios: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float,
+) -> None:  # fmt: skip
+    """Find where q crosses each threshold ratio on the rays of rows first ... last - 1.
+
+    The samples and the stationary points between them, which must have been found, bracket
+    the crossings.
+    """
+    b = rays.brackets
+    count = 0
+    # q is zero on every boundary arc, but the origin may lie inside the workspace
+    q_start = conditioning_ratio(r1, r2, r3, 0.0, 0.0, s1, s2) if lower == ORIGIN else 0.0
+    for row in range(first, last):
+        stationary = rays.stationary_count[row]
+        for kind in range(len(ratios)):
+            found, turn = 0, 0
+            v0, f0 = 0.0, q_start - ratios[kind]
+            j = 0
+            while j <= SAMPLES:
+                if turn < stationary and rays.stationary_sample[row, turn] < j:
+                    v1 = rays.stationary_v[row, turn]
+                    f1 = rays.stationary_q[row, turn] - ratios[kind]
+                    turn += 1
+                elif j < SAMPLES:
+                    v1, f1 = rays.sample_v[j], rays.sample_q[row, j] - ratios[kind]
+                    j += 1
+                else:
+                    v1, f1 = 1.0, -ratios[kind]
+                    j += 1
+                if (f0 > 0.0) != (f1 > 0.0) and found < MAX_CROSSINGS:
+                    count = _open_bracket(b, count, row, kind, found, v0, f0, v1, f1)
+                    found += 1
+                v0, f0 = v1, f1
+            rays.crossing_count[row, kind] = found
+    for _ in range(MAX_STEPS):
+        if count == 0:
+            break
+        _place_trials(rays, count)
+        _ratios_at(b.c, b.s, b.rho, b.value, count, r1, r2, r3, s1, s2)
+        kept = 0
+        for k in range(count):
+            share = _narrow(b, k, b.value[k] - ratios[b.kind[k]])
+            if share == FOUND:
+                rays.crossing_v[b.row[k], b.kind[k], b.slot[k]] = b.x1[k]
+            else:
+                kept = _keep(b, k, kept, b.x1[k] + share * (b.x2[k] - b.x1[k]))
+        count = kept
+
+
+@kernel
+def scan_rays(
+    rays: Rays, first: int, last: int, lower: int, ratios: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
+) -> None:  # fmt: skip
+    """Find stationary points and crossings on the placed rays of rows first ... last - 1."""
+    find_stationary_points(rays, first, last, r1, r2, r3, s1, s2, assembly)
+    find_crossings(rays, first, last, lower, ratios, r1, r2, r3, s1, s2)
+
+
+@kernel
+def highest_on_ray(rays: Rays, row: int) -> tuple[float, float]:
+    """Return the largest stationary q of a ray and its distance ρ; (0, low) if there is none."""
+    best, v = 0.0, 0.0
+    for j in range(rays.stationary_count[row]):
+        if rays.stationary_q[row, j] > best:
+            best, v = rays.stationary_q[row, j], rays.stationary_v[row, j]
+    return best, rays.low[row] + rays.length[row] * cluster(v)
