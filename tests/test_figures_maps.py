@@ -400,25 +400,22 @@ def test_lines_of_constant_parameters_keep_their_parameter(space: str) -> None:
     assert lines >= 10
 
 
-def all_figures(atlas: Atlas, width: float) -> Iterator[tuple[str, Figure]]:
-    for mode in (FIRST, WITH_EMPTY):
-        for name in (
-            "usable_workspace_area",
-            "gci",
-            "gci_error",
-            "usable_workspace_area_error",
-            "good_condition_workspace_area",
-            "max_lci_y",
-            "mic_upper_y",
-            "mic_lower_radius",
-            "status",
-        ):
-            yield f"{name} {mode}", quantity_figure(atlas, name, mode, 0.5, width=width)
-        for text in ("gci>=0.45", "gci>0.9"):
-            condition = parse_condition(text)
-            found = optimum_region(atlas, [condition], mode)
-            bounds = [(condition.quantity, condition.operator, condition.bound)]
-            yield f"{text} {mode}", region_figure(atlas, found.region, bounds, mode, width=width)
+def varied_figures(atlas: Atlas, width: float) -> Iterator[tuple[str, Figure]]:
+    """Every kind of figure, with long titles, long keys, dense and upright contours."""
+    for name in (
+        "usable_workspace_area",
+        "usable_workspace_area_error",
+        "good_condition_workspace_area",
+        "max_lci_y",
+        "mic_upper_y",
+        "status",
+    ):
+        yield name, quantity_figure(atlas, name, WITH_EMPTY, 0.5, width=width)
+    for text in ("gci>=0.45", "good_condition_gci>0.9"):
+        condition = parse_condition(text)
+        found = optimum_region(atlas, [condition], WITH_EMPTY, 0.5)
+        bounds = [(condition.quantity, condition.operator, condition.bound)]
+        yield text, region_figure(atlas, found.region, bounds, WITH_EMPTY, 0.5, width=width)
     chart = atlas.mechanism.chart(atlas.settings.space)
     yield "design space", design_space_figure(chart, "Design space", width=width)
 
@@ -428,16 +425,18 @@ def test_no_text_covers_another_leaves_the_figure_or_is_too_small(
     atlas: Atlas, width: float
 ) -> None:
     resolution = 100
-    for name, figure in all_figures(atlas, width):
+    for name, figure in varied_figures(atlas, width):
         assert figure.get_figwidth() * 25.4 == pytest.approx(width)
         columns, rows = (figure.get_size_inches() * resolution).astype(int)
         figure.set_dpi(resolution)
         covered = np.zeros((rows, columns), dtype=bool)
+        renderer = RendererAgg(columns, rows, resolution)
         for text in texts(figure):
             assert text.get_fontsize() >= 6.0, (name, text.get_text())
-            renderer = RendererAgg(columns, rows, resolution)
+            renderer.clear()
             text.set_path_effects([])
-            text.draw(renderer)
+            with style.styled():
+                text.draw(renderer)
             ink = np.asarray(renderer.buffer_rgba())[:, :, 3] > 40
             assert ink.any(), (name, text.get_text())
             edge = ink[0].any() or ink[-1].any() or ink[:, 0].any() or ink[:, -1].any()
