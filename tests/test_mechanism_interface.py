@@ -144,9 +144,7 @@ def test_axis_columns_are_flags(five_bar: FiveBarMechanism, all_modes: SweepSett
     assert threshold.columns[0].values.tolist() == [0.3, 0.5]
 
 
-@pytest.mark.parametrize(
-    "module", ["mechanism", "design_space"], ids=["mechanism", "design_space"]
-)
+@pytest.mark.parametrize("module", ["mechanism", "design_space"], ids=["mechanism", "design_space"])
 def test_declarations_import_nothing_heavy(module: str) -> None:
     script = (
         f"import sys; import fivebar_atlas.mechanisms.five_bar.{module}; "
@@ -178,7 +176,9 @@ def test_no_layer_above_names_a_mechanism() -> None:
 def test_generic_description_of_one_design(toy_settings: SweepSettings) -> None:
     toy = ToyMechanism()
     parameters, factor = toy.from_lengths([0.0, 1.0])
-    document = toy.document(parameters, factor, toy_settings, toy.evaluate(parameters[None], toy_settings))
+    document = toy.document(
+        parameters, factor, toy_settings, toy.evaluate(parameters[None], toy_settings)
+    )
     assert document["a"] == 0.0
     assert document["mode"] == ["right", "left"]
     assert document["sweep_area"] == [None, None]

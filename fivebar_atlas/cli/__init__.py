@@ -69,8 +69,8 @@ def _exit_code(run: Callable[[], Any]) -> int:
     try:
         code = run()
         sys.stdout.flush()
-    except click.exceptions.Abort:
-        click.echo("atlas: interrupted", err=True)
+    except click.Abort as abort:
+        click.echo("; ".join(["atlas: interrupted", *filter(None, [str(abort)])]), err=True)
         return _INTERRUPTED
     except click.UsageError as error:
         where = f" (see '{error.ctx.command_path} --help')" if error.ctx else ""

@@ -5,12 +5,17 @@ from __future__ import annotations
 import shlex
 import sys
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from fivebar_atlas.cli import options
 from fivebar_atlas.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from fivebar_atlas.executors import Executor
+    from fivebar_atlas.store import AtlasWriter
+    from fivebar_atlas.sweep import Sweep
 
 
 @click.command()
@@ -41,7 +46,6 @@ def sweep(
         return
     began = time.monotonic()
     work = Sweep(settings)
-    total = len(work.designs)
     with AtlasWriter(
         output,
         settings,
@@ -51,18 +55,38 @@ def sweep(
         overwrite=overwrite,
         command_line=shlex.join(["atlas", *sys.argv[1:]]),
     ) as writer:
-        done = sum(
-            block.stop - block.start for block in work.blocks if block.index in writer.finished
-        )
-        if done:
-            _say(f"{done:,} of {total:,} designs were finished before", quiet)
-        with Progress(total, done, quiet) as progress:
-            for results in work.run(ThreadExecutor(configuration.threads), writer.finished):
-                writer.add(results.block.index, results.arrays)
-                progress.advance(results.block.stop - results.block.start)
-        writer.assemble()
-    pairs = ", ".join(settings.modes)
+        try:
+            _run(work, writer, ThreadExecutor(configuration.threads), quiet)
+            writer.assemble()
+        except KeyboardInterrupt:
+            raise click.Abort(_kept(work, writer)) from None
+    total, pairs = len(work.designs), ", ".join(settings.modes)
     _say(f"{output}: {total:,} designs, {pairs}, {time.monotonic() - began:.1f} s", quiet)
+
+
+def _run(work: Sweep, writer: AtlasWriter, executor: Executor, quiet: bool) -> None:
+    """Compute the blocks that are missing."""
+    total, done = len(work.designs), _designs(work, writer)
+    if done:
+        _say(f"{done:,} of {total:,} designs were finished before", quiet)
+    with Progress(total, done, quiet) as progress:
+        for results in work.run(executor, writer.finished):
+            writer.add(results.block.index, results.arrays)
+            progress.advance(results.block.stop - results.block.start)
+
+
+def _designs(work: Sweep, writer: AtlasWriter) -> int:
+    """Return the number of designs in finished blocks."""
+    finished = writer.finished
+    return sum(block.stop - block.start for block in work.blocks if block.index in finished)
+
+
+def _kept(work: Sweep, writer: AtlasWriter) -> str:
+    """Return what an interruption has not lost."""
+    done = _designs(work, writer)
+    if not done:
+        return ""
+    return f"{done:,} of {len(work.designs):,} designs are kept, --resume goes on with them"
 
 
 def _say(text: str, quiet: bool) -> None:
