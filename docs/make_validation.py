@@ -6,6 +6,7 @@ anything that the tests do not check.
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 
@@ -33,8 +34,10 @@ def make(page: Path) -> None:
     lines = ["| what | where | printed | ours | verdict |", "|---|---|---|---|---|"]
     notes = []
     for value in load():
+        ours = value.compute()
         lines.append(
-            f"| {value.says} | {value.where} | {_printed(value)} | {value.compute():.6g} "
+            f"| {value.says} | {value.where} | {_printed(value)} "
+            f"| {'does not exist' if math.isnan(ours) else f'{ours:.6g}'} "
             f"| {_VERDICTS[value.verdict]} |"
         )
         if value.explanation:

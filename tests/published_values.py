@@ -1,0 +1,212 @@
+"""Values printed in papers, and the computation of ours through the public interface.
+
+The data are in ``published/*.yaml``; the tests and the validation page read them here.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from collections.abc import Callable
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import yaml
+
+from fivebar_atlas import FiveBar, mechanisms
+from fivebar_atlas.mechanisms.base import SweepSettings
+
+FOLDER = Path(__file__).parent / "published"
+
+REPRODUCED = "reproduced"
+LAST_DIGIT_DIFFERS = "last_digit_differs"
+NOT_REPRODUCED = "not_reproduced"
+
+_MECHANISM = mechanisms.get("five-bar")
+_LENGTHS = ("r1", "r2", "r3")
+
+Results = dict[str, npt.NDArray[np.float64]]
+
+
+@dataclasses.dataclass(frozen=True)
+class PublishedValue:
+    """One printed value.
+
+    Attributes
+    ----------
+    identity
+        Short name of the entry.
+    where
+        Where in the paper it is printed.
+    says
+        What it is the value of.
+    printed
+        The digits as printed, or the two ends of a printed range.
+    verdict
+        What becomes of it: one of the three verdicts.
+    explanation
+        Why, where there is something to say.
+    exact
+        Our value to the digits that independent methods agree on, None where not known.
+    computation
+        What is computed, and from what.
+    mode
+        The mode pair.
+    """
+
+    identity: str
+    where: str
+    says: str
+    printed: str | list[str]
+    verdict: str
+    explanation: str
+    exact: str | None
+    computation: dict[str, Any]
+    mode: str
+
+    def compute(self) -> float:
+        """Return our value."""
+        kind = next(iter(self.computation))
+        return _COMPUTATIONS[kind](mode=self.mode, **self.computation)
+
+    def judge(self, ours: float) -> str:
+        """Return the verdict that our value deserves; NaN, where there is none, never agrees."""
+        if math.isnan(ours):
+            return NOT_REPRODUCED
+        if not isinstance(self.printed, str):
+            low, high = (float(end) for end in self.printed)
+            return REPRODUCED if low <= ours <= high else NOT_REPRODUCED
+        printed = Decimal(self.printed)
+        unit = Decimal(1).scaleb(int(printed.as_tuple().exponent))
+        units = abs(Decimal(ours).quantize(unit) - printed) / unit
+        return {0: REPRODUCED, 1: LAST_DIGIT_DIFFERS}.get(int(units), NOT_REPRODUCED)
+
+
+def load() -> list[PublishedValue]:
+    """Return every published value of every paper."""
+    values = []
+    for file in sorted(FOLDER.glob("*.yaml")):
+        data = yaml.safe_load(file.read_text(encoding="utf-8"))
+        values += [
+            PublishedValue(
+                identity=entry["id"],
+                where=entry["where"],
+                says=entry["says"],
+                printed=entry["printed"],
+                verdict=entry["verdict"],
+                explanation=entry["explanation"],
+                exact=entry.get("exact"),
+                computation=entry["compute"],
+                mode=data["mode"],
+            )
+            for entry in data["values"]
+        ]
+    return values
+
+
+def _evaluate(
+    designs: npt.ArrayLike, mode: str, tolerance: float, lci_threshold: float = 0.5
+) -> Results:
+    settings = SweepSettings("five-bar", "surrounded", 3, (mode,), (lci_threshold,), tolerance)
+    results = _MECHANISM.evaluate(np.atleast_2d(np.asarray(designs, dtype=float)), settings)
+    # One mode pair and one threshold: one value for each design.
+    return {name: values.reshape(len(values)) for name, values in results.items()}
+
+
+def _quantity(
+    *, quantity: str, design: list[float], mode: str, lci_threshold: float = 0.5
+) -> float:
+    return float(_evaluate(design, mode, 1e-9, lci_threshold)[quantity][0])
+
+
+def _lci_radius(*, lci_radius: str, design: list[float], lci_threshold: float, mode: str) -> float:
+    """Return where LCI passes the threshold along the y axis, by bisection."""
+    manipulator = FiveBar(*design)
+
+    def above(y: float) -> bool:
+        return float(manipulator.lci(0.0, y, mode)) >= lci_threshold
+
+    r1, r2, _ = design
+    # On the edge r3 = 0 the LCI vanishes on both circles and is isotropic between them.
+    ring = r2 / math.sqrt(2) + math.sqrt(r1**2 - r2**2 / 2)
+    inside, outside = {
+        "inner": (r2 / math.sqrt(2) - math.sqrt(r1**2 - r2**2 / 2), abs(r1 - r2)),
+        "outer": (ring, r1 + r2),
+    }[lci_radius]
+    assert above(inside)
+    while abs(inside - outside) > 1e-12:
+        middle = 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if above(middle) else (inside, middle)
+    return 0.5 * (inside + outside)
+
+
+@functools.cache
+def _lattice(resolution: int, mode: str) -> tuple[npt.NDArray[np.float64], Results]:
+    designs = _MECHANISM.lattice("surrounded", resolution)
+    return designs, _evaluate(designs, mode, 1e-4)
+
+
+def _largest_over_lattice(*, largest_over_lattice: str, resolution: int, mode: str) -> float:
+    return float(np.nanmax(_lattice(resolution, mode)[1][largest_over_lattice]))
+
+
+def _place_of_largest(*, place_of_largest: str, length: str, resolution: int, mode: str) -> float:
+    designs, results = _lattice(resolution, mode)
+    return float(designs[np.nanargmax(results[place_of_largest]), _LENGTHS.index(length)])
+
+
+def _largest_gain_off_edge(*, largest_gain_off_edge: str, resolution: int, mode: str) -> float:
+    designs, results = _lattice(resolution, mode)
+    values = results[largest_gain_off_edge]
+    return float(np.nanmax(values) - np.nanmax(values[designs[:, 2] == 0.0]))
+
+
+def _region_bound(
+    *, region_bound: str, length: str, area: float, gci: float, resolution: int, mode: str
+) -> float:
+    """Return a bound of the lattice designs that fulfil both conditions, NaN without any."""
+    designs, results = _lattice(resolution, mode)
+    inside = (results["usable_workspace_area"] > area) & (results["gci"] > gci)
+    values = designs[inside, _LENGTHS.index(length)]
+    if not len(values):
+        return math.nan
+    return float(values.min() if region_bound == "least" else values.max())
+
+
+def _sizing(
+    *, sizing: str, area: float, design: list[float], lci_threshold: float, mode: str
+) -> float:
+    own = _quantity(
+        quantity="good_condition_workspace_area",
+        design=design,
+        mode=mode,
+        lci_threshold=lci_threshold,
+    )
+    factor = math.sqrt(area / own)
+    return factor * dict(zip(("D", "R1", "R2", "R3"), (1.0, *design), strict=True))[sizing]
+
+
+def _machine(*, machine: str, lengths: list[float], mode: str) -> float:
+    design, factor = _MECHANISM.from_lengths(lengths)
+    if machine in _LENGTHS:
+        return float(design[_LENGTHS.index(machine)])
+    if machine == "D":
+        return factor
+    scale = factor ** _MECHANISM.quantity(machine).length_power
+    return scale * _quantity(quantity=machine, design=design.tolist(), mode=mode)
+
+
+_COMPUTATIONS: dict[str, Callable[..., float]] = {
+    "quantity": _quantity,
+    "lci_radius": _lci_radius,
+    "largest_over_lattice": _largest_over_lattice,
+    "place_of_largest": _place_of_largest,
+    "largest_gain_off_edge": _largest_gain_off_edge,
+    "region_bound": _region_bound,
+    "sizing": _sizing,
+    "machine": _machine,
+}
