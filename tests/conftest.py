@@ -36,7 +36,9 @@ def atlas() -> Command:
     """Run the command line in this process; an exception that it lets through fails the test."""
 
     def run(*arguments: object) -> Outcome:
-        result = CliRunner().invoke(main, [str(argument) for argument in arguments])
+        result = CliRunner().invoke(
+            main, [str(argument) for argument in arguments], prog_name="atlas"
+        )
         if result.exception is not None and not isinstance(result.exception, SystemExit):
             raise result.exception
         return Outcome(result.exit_code, result.stdout, result.stderr)

@@ -166,15 +166,21 @@ def test_interrupted_five_bar_sweep_is_completed(
 
 
 @pytest.mark.usefixtures("toy")
-def test_killed_while_the_file_is_assembled(start: Start, atlas: Command, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("number", "code"), SIGNALS)
+def test_ended_while_the_file_is_assembled(
+    start: Start, atlas: Command, tmp_path: Path, number: int, code: int
+) -> None:
     output = tmp_path / "atlas.h5"
     partial = tmp_path / "atlas.h5.partial"
     process = start(STALLING_ASSEMBLY, "sweep", *TOY, "-o", output)
     wait_for((partial / "stalled").exists, process)
-    process.send_signal(signal.SIGKILL)
-    process.communicate()
+    process.send_signal(number)
+    _, message = process.communicate()
+    assert process.returncode == code
     assert not output.exists()
-    assert (partial / "assembled.h5").stat().st_size > 0
+    # Half a result file is there only after a kill, and never under the final name.
+    assert (partial / "assembled.h5").exists() == (number == signal.SIGKILL)
+    assert (code == 130) == ("201 of 201 designs are kept" in message)
     (partial / "stalled").unlink()
     assert atlas("sweep", *TOY, "-o", output, "--resume").code == 0
     assert not partial.exists()

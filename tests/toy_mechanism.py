@@ -50,7 +50,7 @@ class ToyMechanism(Mechanism):
     )
     modes = ("left", "right")
     spaces = ("whole", "half")
-    resolution_range = (2, 100_000)
+    resolution_range = (2, 10_000_000)
 
     def parse_mode(self, text: str) -> str:
         """Accept the two names."""

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
         SweepSettings,
     )
 
-_LABEL_WIDTH = 80
+# Wide enough for every name, and the whole line for a terminal of 80 columns.
+_LABEL_WIDTH = 40
 
 
 def _numbers(
@@ -111,7 +112,7 @@ def _table(
     yield _line("dimensional factor D", f"{factor:.8g}")
     for parameter, value in zip(mechanism.parameters, parameters, strict=True):
         length = "" if factor == 1.0 else f"{factor * value:.8g}"
-        yield _line(f"{parameter.name}, {parameter.long_name}", f"{value:.8g}", "", length)
+        yield _line(parameter.name, f"{value:.8g}", "", length)
     for quantity in shared:
         yield from _quantity_lines(quantity, axes, {}, factor, results)
     for number, label in enumerate(axes[MODE].labels if MODE in axes else ()):
@@ -133,21 +134,19 @@ def _quantity_lines(
     for numbers in itertools.product(*(range(len(axis)) for axis in free)):
         chosen = dict(zip((axis.name for axis in free), numbers, strict=True))
         index = (0, *({**places, **chosen}[name] for name in quantity.dimensions[1:]))
-        label = quantity.long_name + "".join(
-            f", {axis.columns[0].name} {axis.labels[chosen[axis.name]]}" for axis in free
-        )
+        label = quantity.name + "".join(f" at {axis.labels[chosen[axis.name]]}" for axis in free)
         value = results[quantity.name][index]
         if quantity.flags is not None:
-            yield _line(label, quantity.flags.describe(int(value)))
+            yield f"{label:{_LABEL_WIDTH}}  {quantity.flags.describe(int(value))}"
             continue
         error = f"± {results[quantity.error_name][index]:.1e}" if quantity.has_error else ""
         scaled = ""
         if quantity.length_power and factor != 1.0:
-            scaled = f"{factor**quantity.length_power * value:.8g}"
+            scaled = f"{factor**quantity.length_power * value + 0.0:.8g}"
         exists = math.isfinite(value)
-        yield _line(label, f"{value:.8g}", error, scaled) if exists else _line(label, "none")
+        yield _line(label, f"{value + 0.0:.8g}", error, scaled) if exists else _line(label, "none")
 
 
 def _line(label: str, value: str, error: str = "", scaled: str = "") -> str:
     """Return a line of the table."""
-    return f"{label:{_LABEL_WIDTH}}{value:>14}{error:>12}{scaled:>14}".rstrip()
+    return f"{label:{_LABEL_WIDTH}}{value:>14}{error:>12}{scaled:>13}".rstrip()

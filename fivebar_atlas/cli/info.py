@@ -66,8 +66,8 @@ def _quantity(atlas: Atlas, quantity: Quantity) -> dict[str, Any]:
         return entry
     exists = values[np.isfinite(values)]
     entry["missing"] = int(values.size - exists.size)
-    entry["least"] = float(exists.min()) if exists.size else None
-    entry["greatest"] = float(exists.max()) if exists.size else None
+    entry["least"] = float(exists.min()) + 0.0 if exists.size else None
+    entry["greatest"] = float(exists.max()) + 0.0 if exists.size else None
     if quantity.has_error:
         errors = atlas[quantity.error_name]
         errors = errors[np.isfinite(errors)]

@@ -484,4 +484,5 @@ def plain(value: Any, flags: Flags | None = None) -> Any:
         return [plain(entry, flags) for entry in value]
     if flags is not None:
         return flags.describe(int(value))
-    return float(value) if np.isfinite(value) else None
+    # Adding 0.0 turns -0.0 into 0.0.
+    return float(value) + 0.0 if np.isfinite(value) else None
