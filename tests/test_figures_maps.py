@@ -194,6 +194,8 @@ def test_an_empty_workspace_is_hatched_and_explained(atlas: Atlas) -> None:
             continue
         assert drawn_area(missing.get_path()) == pytest.approx(hatched, rel=1e-9)  # type: ignore[attr-defined]
     assert "missing" not in names(quantity_figure(atlas, "gci", FIRST))
+    figure = quantity_figure(atlas, "good_condition_gci", WITH_EMPTY, 0.5)
+    assert "no workspace with LCI \u2265 0.5" in written(figure)
 
 
 def test_a_quantity_without_any_value_is_all_hatched(atlas: Atlas) -> None:
@@ -281,6 +283,20 @@ def test_errors_of_zero_are_exact_and_not_the_smallest_magnitude() -> None:
     assert "0 (exact)" in written(figure)
     only_zero = magnitude_map(designs, np.zeros(len(designs.points)), "Errors", "error")
     assert "band-0" not in names(only_zero)
+
+
+def test_wide_ticks_of_a_colour_bar_stay_in_the_figure() -> None:
+    designs = ChartedDesigns.of_lattice(mechanisms.get("five-bar"), "surrounded", 12)
+    errors = np.geomspace(2e-15, 1.9e-13, len(designs.points))
+    figure = magnitude_map(designs, errors, "Errors", "error", width=60.0)
+
+    (bar,) = [axes for axes in figure.axes if axes.get_label() == "colour bar"]
+    with style.styled():
+        figure.draw_without_rendering()
+        extents = [label.get_window_extent() for label in bar.get_xticklabels()]
+    assert r"$2\!\times\!10^{-15}$" in written(figure)
+    assert min(extent.x0 for extent in extents) > 0.0
+    assert max(extent.x1 for extent in extents) < figure.bbox.width
 
 
 def test_the_region_is_that_of_the_conditions_and_its_outline_is_drawn(atlas: Atlas) -> None:

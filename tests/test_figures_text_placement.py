@@ -88,7 +88,18 @@ def test_long_text_is_broken_and_nothing_lost() -> None:
 
     assert " ".join(lines) == text
     assert len(lines) > 1
-    assert all(text_size(line, 8.0)[0] <= 40.0 for line in lines)
+    sizes = [text_size(line, 8.0)[0] for line in lines]
+    assert max(sizes) <= 40.0
+    assert min(sizes) > 0.5 * max(sizes)
+
+
+def test_what_belongs_together_is_not_broken_where_it_need_not_be() -> None:
+    assert wrapped("an area that is large (in units of $D^2$)", 8.0, 42.0) == [
+        "an area that is large",
+        "(in units of $D^2$)",
+    ]
+    assert wrapped("gci, mode\N{NO-BREAK SPACE}++/up", 8.0, 17.0) == ["gci,", "mode ++/up"]
+    assert len(wrapped("(one two three four five six)", 8.0, 20.0)) > 1
 
 
 def circle(radius: float) -> np.ndarray:

@@ -108,7 +108,7 @@ def design_space(
             mechanism, space = atlas.mechanism, atlas.settings.space
     space = mechanism.spaces[0] if space is None else space
     mechanism.check_space(space)
-    title = f"Design space ({space}): {mechanism.title}"
+    title = f"Design space of the {mechanism.name} ({space})"
     figure = design_space_figure(mechanism.chart(space), title, width=width)
     save_figure(figure, output, overwrite)
 

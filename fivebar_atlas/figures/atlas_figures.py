@@ -91,7 +91,7 @@ def quantity_figure(
         return category_map(designs, values.astype(np.int64), quantity.flags, title, width=width)
     values = np.where(without_workspace(atlas, quantity, mode), np.nan, values)
     draw = magnitude_map if array.is_error else contour_map
-    missing = why_missing(atlas, quantity, values, mode)
+    missing = why_missing(atlas, quantity, values, mode, lci)
     return draw(designs, values, title, label_of(array), missing=missing, width=width)
 
 
@@ -140,7 +140,7 @@ def region_figure(
         values = atlas.select(name, mode, lci)
         values = np.where(without_workspace(atlas, array.quantity, mode), np.nan, values)
         layers.append(Layer(values, label_of(array)))
-        reasons.append(why_missing(atlas, array.quantity, values, mode))
+        reasons.append(why_missing(atlas, array.quantity, values, mode, lci))
     parameters = [parameter.name for parameter in atlas.mechanism.parameters]
     bounded = [stored_array(atlas, name) for name, _, _ in conditions if name not in parameters]
     parts = ["Optimum region", _mode_part(atlas, mode)]
@@ -229,8 +229,10 @@ def without_workspace(atlas: Atlas, quantity: Quantity, mode: str | None) -> Boo
     return np.asarray((status & sum(bits)) != 0)
 
 
-def why_missing(atlas: Atlas, quantity: Quantity, values: FloatArray, mode: str | None) -> str:
-    """Return what all designs without a value have in common, in the words of their status.
+def why_missing(
+    atlas: Atlas, quantity: Quantity, values: FloatArray, mode: str | None, lci: float | None
+) -> str:
+    """Return what all designs without a value have in common.
 
     Parameters
     ----------
@@ -240,14 +242,17 @@ def why_missing(atlas: Atlas, quantity: Quantity, values: FloatArray, mode: str 
         The quantity.
     values
         Its values, shape (designs,), NaN where there is none.
-    mode
-        The mode pair.
+    mode, lci
+        The mode pair and the threshold.
 
     Returns
     -------
     str
-        The first of the meanings; ``"no value"`` where the status does not say it.
+        The first meaning their status shares; ``"no value"`` where it does not say.
     """
+    if THRESHOLD in quantity.dimensions:
+        # Empty workspaces among them: there, too, no point reaches the threshold.
+        return f"no workspace with {_threshold_part(atlas, lci)}"
     flags, status = _status(atlas, quantity, mode)
     gone = np.isnan(values)
     shared = int(np.bitwise_and.reduce(status[gone])) if gone.any() else 0
@@ -268,9 +273,9 @@ def _status(atlas: Atlas, quantity: Quantity, mode: str | None) -> tuple[Flags, 
 
 def _mode_part(atlas: Atlas, mode: str | None) -> str:
     label = atlas.modes[0] if mode is None else atlas.mechanism.parse_mode(mode)
-    return "mode " + label.replace("-", _MINUS)
+    return "mode\N{NO-BREAK SPACE}" + label.replace("-", _MINUS)
 
 
 def _threshold_part(atlas: Atlas, lci: float | None) -> str:
     threshold = atlas.lci_thresholds[0] if lci is None else lci
-    return f"LCI {_SIGNS['>=']} {threshold:g}"
+    return f"LCI {_SIGNS['>=']} {threshold:g}".replace(" ", "\N{NO-BREAK SPACE}")

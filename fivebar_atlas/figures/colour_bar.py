@@ -80,8 +80,10 @@ def draw_bar(
     float
         Where the room it takes ends, in millimetres below the chart.
     """
-    width = frame.width - 2 * _MARGIN
-    axes = frame.add_strip(_MARGIN, below + _GAP, width, _BAR)
+    widest = max(text_size(text, style.TICK_SIZE)[0] for text in ticks)
+    margin = max(_MARGIN, widest / 2 + 1.0)
+    width = frame.width - 2 * margin
+    axes = frame.add_strip(margin, below + _GAP, width, _BAR)
     axes.set_label("colour bar")
     bands = len(colours)
     axes.set_xlim(0, bands)
@@ -91,12 +93,11 @@ def draw_bar(
         axes.add_patch(
             Rectangle((band, 0), 1, 1, facecolor=colour, edgecolor=style.INK, linewidth=0.3)
         )
-    widest = max(text_size(text, style.TICK_SIZE)[0] for text in ticks) + 1.0
-    step = next(n for n in range(1, bands + 2) if n * width / bands >= widest or n > bands)
+    step = next(n for n in range(1, bands + 2) if n * width / bands >= widest + 1 or n > bands)
     marked = list(range(0, bands + 1, step))
     axes.set_xticks(marked, [ticks[index] for index in marked], fontsize=style.TICK_SIZE)
     axes.tick_params(colors=style.INK)
-    lines = wrapped(label, style.NOTE_SIZE, width)
+    lines = wrapped(label, style.NOTE_SIZE, frame.width - 2 * _MARGIN)
     for number, line in enumerate(lines):
         down = _BAR + _TICKS + _LINE * (number + 0.75)
         axes.text(

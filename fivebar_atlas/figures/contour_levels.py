@@ -14,7 +14,7 @@ FloatArray = npt.NDArray[np.float64]
 ROUND_STEPS = (1.0, 2.0, 2.5, 5.0)
 
 
-def round_levels(least: float, greatest: float, bands: int = 14) -> FloatArray:
+def round_levels(least: float, greatest: float, bands: int = 15) -> FloatArray:
     """Return equally spaced round levels that enclose a range of values.
 
     Parameters

@@ -111,7 +111,7 @@ def absent_triangles(designs: ChartedDesigns, values: FloatArray) -> BoolArray:
     return np.asarray(~np.isfinite(values[designs.triangles]).all(axis=1))
 
 
-def levels_of(shown: FloatArray, bands: int = 14) -> FloatArray:
+def levels_of(shown: FloatArray, bands: int = 15) -> FloatArray:
     """Return round levels around values; none where they are all one, or there are none."""
     if len(shown) == 0:
         return np.empty(0)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -20,6 +21,9 @@ from matplotlib.textpath import TextPath
 from fivebar_atlas.figures.style import POINTS_PER_MM, styled
 
 FloatArray = npt.NDArray[np.float64]
+
+# Words, and what stands in parentheses as one of them.
+_UNBROKEN = re.compile(r"(?:\([^)]*\)|[^ ])+")
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -116,16 +120,47 @@ def text_origin(text: str, size: float, box: Box) -> tuple[float, float]:
 
 
 def wrapped(text: str, size: float, width: float) -> list[str]:
-    """Break a text at spaces into lines no wider than ``width`` millimetres."""
+    """Break a text into as few lines as there must be, all about equally long.
+
+    Parameters
+    ----------
+    text
+        The text. It is broken at spaces, but not in parentheses and not at a no-break
+        space, unless there is no other way.
+    size
+        Font size in points.
+    width
+        Greatest width of a line in millimetres.
+
+    Returns
+    -------
+    list of str
+        The lines, with ordinary spaces.
+    """
     # On a screen letters are moved to whole pixels, which makes a line a little longer.
     width *= 0.97
+    pieces = _UNBROKEN.findall(text)
+    if any(text_size(piece, size)[0] > width for piece in pieces):
+        pieces = text.split(" ")
+    lines = _filled(pieces, size, width)
+    narrower = width
+    while len(lines) > 1 and narrower > 0.0:
+        narrower -= 0.5
+        balanced = _filled(pieces, size, narrower)
+        if len(balanced) > len(lines) or any(text_size(x, size)[0] > width for x in balanced):
+            break
+        lines = balanced
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
+
+
+def _filled(pieces: Sequence[str], size: float, width: float) -> list[str]:
     lines: list[str] = []
-    for word in text.split(" "):
-        longer = f"{lines[-1]} {word}" if lines else word
-        if lines and text_size(longer, size)[0] <= width:
+    for piece in pieces:
+        longer = f"{lines[-1]} {piece}" if lines else piece
+        if lines and text_size(longer.replace("\N{NO-BREAK SPACE}", " "), size)[0] <= width:
             lines[-1] = longer
         else:
-            lines.append(word)
+            lines.append(piece)
     return lines
 
 
