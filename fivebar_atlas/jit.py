@@ -66,6 +66,24 @@ def cache_folder() -> Path | None:
     return folder
 
 
+def _compile(function: Kernel, **options: Any) -> Kernel:
+    """Compile a function with the flags of all kernels and the cache folder keyed above."""
+    folder = cache_folder()
+    previous = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder) if folder else previous
+    try:
+        compiled = numba.njit(
+            cache=folder is not None,
+            nogil=True,
+            error_model="numpy",
+            fastmath=set(FASTMATH),
+            **options,
+        )(function)
+    finally:
+        numba.config.CACHE_DIR = previous
+    return cast(Kernel, compiled)
+
+
 def kernel(function: Kernel) -> Kernel:
     """Compile a kernel: no exceptions from arithmetic, no GIL, cached between processes.
 
@@ -79,16 +97,9 @@ def kernel(function: Kernel) -> Kernel:
     Kernel
         The compiled dispatcher, or the function itself where ``NUMBA_DISABLE_JIT`` is set.
     """
-    folder = cache_folder()
-    previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(folder) if folder else previous
-    try:
-        compiled = numba.njit(
-            cache=folder is not None,
-            nogil=True,
-            error_model="numpy",
-            fastmath=set(FASTMATH),
-        )(function)
-    finally:
-        numba.config.CACHE_DIR = previous
-    return cast(Kernel, compiled)
+    return _compile(function)
+
+
+def inlined_kernel(function: Kernel) -> Kernel:
+    """Compile a kernel that is always inlined: a loop that calls it can then vectorise."""
+    return _compile(function, forceinline=True)

@@ -8,7 +8,7 @@ Mirror symmetry reduces the eight mode pairs to three computations: "+-"/up, "+-
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -16,14 +16,15 @@ import numpy.typing as npt
 from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.base import FloatArray, IntArray
 from fivebar_atlas.mechanisms.five_bar.indices import (
+    PANELS,
     Panels,
-    allocate_panels,
     integrate_strips,
     largest_lci,
+    set_rules,
 )
 from fivebar_atlas.mechanisms.five_bar.inscribed_circle import (
+    ARCS,
     Arcs,
-    allocate_arcs,
     collect_arcs,
     maximal_inscribed_circle,
 )
@@ -31,14 +32,15 @@ from fivebar_atlas.mechanisms.five_bar.isotropy import isotropic_points
 from fivebar_atlas.mechanisms.five_bar.jacobian import threshold_ratio
 from fivebar_atlas.mechanisms.five_bar.workspace import (
     AREA_ROUNDING,
+    DECOMPOSITION,
     Decomposition,
-    allocate_decomposition,
     collect_strips,
     decompose,
     largest_component,
     strips_area,
     theoretical_area,
 )
+from fivebar_atlas.numerics.records import allocate_record, record_type
 
 # Bits of ``status``.
 EMPTY_USABLE_WORKSPACE = 1
@@ -54,20 +56,24 @@ UPPER_RADIUS, UPPER_Y, LOWER_RADIUS, LOWER_Y, STATUS, FIXED = 7, 8, 9, 10, 11, 1
 CLASSES = 3
 
 
-class Scratch(NamedTuple):
+class Scratch(Protocol):
     """Everything a thread needs to evaluate one design after another."""
 
     decomposition: Decomposition
     panels: Panels
     arcs: Arcs
-    best: FloatArray
 
 
-def allocate_scratch(thresholds: int, tolerance: float) -> Scratch:
-    """Return the work arrays of one thread."""
-    return Scratch(
-        allocate_decomposition(), allocate_panels(thresholds, tolerance), allocate_arcs(), np.zeros(6)
-    )
+SCRATCH = record_type(
+    ("decomposition", DECOMPOSITION, ()), ("panels", PANELS, ()), ("arcs", ARCS, ())
+)
+
+
+def allocate_scratch() -> Scratch:
+    """Return the work space of one thread."""
+    scratch: Scratch = allocate_record(SCRATCH)
+    set_rules(scratch.panels)
+    return scratch
 
 
 @kernel
@@ -118,7 +124,7 @@ def evaluate_class(
     status = 0
     isotropic = isotropic_points(r1, r2, r3, s1, s2, p.isotropic)
     reached = integrate_strips(
-        p, d, strips, isotropic, ratios, tolerance, area, w.best, r1, r2, r3, s1, s2, assembly
+        p, d, strips, isotropic, ratios, tolerance, area, r1, r2, r3, s1, s2, assembly
     )
     if not reached or area_error > tolerance * area:
         status |= TOLERANCE_NOT_REACHED
@@ -139,7 +145,7 @@ def evaluate_class(
                 p.total_error[1 + thresholds + kind] + good_gci * good_error
             ) / good
     out[MAX_LCI], out[MAX_X], out[MAX_Y] = largest_lci(
-        p, d, strips, isotropic, w.best, r1, r2, r3, s1, s2, assembly
+        p, d, strips, isotropic, r1, r2, r3, s1, s2, assembly
     )
     arcs = collect_arcs(w.arcs, d, r1, r2, r3, strips)
     for half in range(2):
@@ -221,7 +227,7 @@ def evaluate_designs(
     classes = np.array(sorted({kind for kind, _, _ in mapped}), dtype=np.int64)
     theoretical = np.empty(len(designs))
     rows = np.empty((len(designs), CLASSES, FIXED + 4 * thresholds))
-    scratch = allocate_scratch(thresholds, tolerance)
+    scratch = allocate_scratch()
     evaluate_rows(scratch, designs, classes, ratios, tolerance, theoretical, rows)
 
     kinds = [kind for kind, _, _ in mapped]

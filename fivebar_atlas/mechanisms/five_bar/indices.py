@@ -14,7 +14,7 @@ estimates; the worst panel is halved until the sums meet the tolerance.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -24,25 +24,32 @@ from fivebar_atlas.mechanisms.base import FloatArray
 from fivebar_atlas.mechanisms.five_bar.isotropy import MAX_ISOTROPIC
 from fivebar_atlas.mechanisms.five_bar.jacobian import conditioning_ratio, conditioning_slope, lci
 from fivebar_atlas.mechanisms.five_bar.rays import (
+    ACROSS_NODES,
+    ACROSS_ORDER,
     MAX_CROSSINGS,
     MAX_STATIONARY,
+    MAX_THRESHOLDS,
+    RAYS,
+    ROWS,
     Rays,
-    allocate_rays,
     highest_on_ray,
     place_ray,
     scan_rays,
+    set_samples,
 )
 from fivebar_atlas.mechanisms.five_bar.workspace import Decomposition, contains
-from fivebar_atlas.numerics.quadrature import Rule, cluster, clustered_gauss_kronrod, kronrod_error
+from fivebar_atlas.numerics.quadrature import cluster, clustered_gauss_kronrod, kronrod_error
+from fivebar_atlas.numerics.records import record_type
 from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
 
 IndexArray = npt.NDArray[np.int64]
 
 MAX_PANELS = 400
 #: Orders of the Gauss rules along a ray; a panel takes the lowest that meets the tolerance.
+#: With their Kronrod nodes and one more they fill whole SIMD registers.
 ALONG_ORDERS = (7, 11, 15, 23, 31)
-#: Order of the Gauss rule across the rays of a panel.
-ACROSS_ORDER = 7
+#: Columns of integrals: LCI, then areas and LCI for each threshold.
+COLUMNS = 2 * MAX_THRESHOLDS + 1
 #: Share of the tolerance that is left to errors along rays.
 ALONG_SHARE = 0.3
 #: A panel narrower than this is not cut at level changes any more.
@@ -55,7 +62,7 @@ ANGLE_TOLERANCE = 1e-14
 NEGLIGIBLE_SHARE = 1e-4
 
 
-class Panels(NamedTuple):
+class Panels(Protocol):
     """Panels of one usable workspace and their integrals.
 
     Column 0 of ``value`` and ``error`` is ∫ LCI dW; columns 1 ... k are the areas with LCI at
@@ -68,17 +75,17 @@ class Panels(NamedTuple):
     strip
         Strip that each lies in, shape (MAX_PANELS,).
     value, error
-        Integrals and absolute error estimates, shape (MAX_PANELS, 2k + 1).
+        Integrals and absolute error estimates, shape (MAX_PANELS, COLUMNS).
     pending_start, pending_end, pending_strip
         Stack of panels still to be looked at, shape (MAX_PANELS,).
     total, total_error
-        Sums over the panels, shape (2k + 1,).
+        Sums over the panels, shape (COLUMNS,).
     gauss
-        Sums with the embedded Gauss rule, of one panel, shape (2k + 1,).
+        Sums with the embedded Gauss rule, of one panel, shape (COLUMNS,).
     row, row_error
-        Integrals along one ray and their error estimates, shape (2k + 1,).
+        Integrals along one ray and their error estimates, shape (COLUMNS,).
     along_error
-        Errors along the rays of one panel, shape (2k + 1,).
+        Errors along the rays of one panel, shape (COLUMNS,).
     cuts
         Sorted cut positions of one ray, shape (cuts,).
     level_cuts
@@ -89,10 +96,15 @@ class Panels(NamedTuple):
         Stationary values at the two ends of a bracket, shape (2, MAX_STATIONARY).
     rays
         The rays of one panel.
-    along
-        Quadrature rules along rays, of growing order.
-    across
-        Quadrature rule across rays.
+    along_count
+        Number of nodes of the rules along rays, of growing order, shape (levels,).
+    along_nodes, along_weights, along_gauss
+        These rules, see :class:`quadrature.Rule`, shape (levels, nodes).
+    across_nodes, across_weights, across_gauss
+        The rule across rays, shape (ACROSS_NODES,).
+    best
+        The largest q seen on a ray, its angle, its distance, the neighbouring angles and
+        the strip, shape (6,).
     """
 
     start: FloatArray
@@ -114,49 +126,70 @@ class Panels(NamedTuple):
     isotropic: FloatArray
     saved_q: FloatArray
     rays: Rays
-    along: tuple[Rule, ...]
-    across: Rule
+    best: FloatArray
+    along_count: IndexArray
+    along_nodes: FloatArray
+    along_weights: FloatArray
+    along_gauss: FloatArray
+    across_nodes: FloatArray
+    across_weights: FloatArray
+    across_gauss: FloatArray
 
 
-def allocate_panels(thresholds: int, tolerance: float) -> Panels:
-    """Return the arrays for integrating at a tolerance with so many thresholds."""
+PANELS = record_type(
+    *((name, np.float64, (MAX_PANELS,)) for name in ("start", "end")),
+    ("strip", np.int64, (MAX_PANELS,)),
+    *((name, np.float64, (MAX_PANELS, COLUMNS)) for name in ("value", "error")),
+    *((name, np.float64, (MAX_PANELS,)) for name in ("pending_start", "pending_end")),
+    ("pending_strip", np.int64, (MAX_PANELS,)),
+    *(
+        (name, np.float64, (COLUMNS,))
+        for name in ("total", "total_error", "gauss", "row", "row_error", "along_error")
+    ),
+    ("cuts", np.float64, (MAX_STATIONARY + MAX_CROSSINGS * MAX_THRESHOLDS + 2,)),
+    ("level_cuts", np.float64, (MAX_LEVEL_CUTS,)),
+    ("isotropic", np.float64, (MAX_ISOTROPIC, 2)),
+    ("saved_q", np.float64, (2, MAX_STATIONARY)),
+    ("best", np.float64, (6,)),
+    ("along_count", np.int64, (len(ALONG_ORDERS),)),
+    *(
+        (name, np.float64, (len(ALONG_ORDERS), 2 * max(ALONG_ORDERS) + 2))
+        for name in ("along_nodes", "along_weights", "along_gauss")
+    ),
+    *(
+        (name, np.float64, (ACROSS_NODES,))
+        for name in ("across_nodes", "across_weights", "across_gauss")
+    ),
+    ("rays", RAYS, ()),
+)
+
+
+def set_rules(p: Panels) -> None:
+    """Set the quadrature rules and sample positions of a new record."""
+    for level, order in enumerate(ALONG_ORDERS):
+        rule = clustered_gauss_kronrod(order)
+        n = len(rule.nodes)
+        # a node of no weight makes whole vectors of the 2 order + 1 nodes
+        p.along_count[level] = n + 1
+        p.along_nodes[level] = 0.5
+        p.along_nodes[level, :n] = rule.nodes
+        p.along_weights[level, :n] = rule.weights
+        p.along_gauss[level, :n] = rule.gauss_weights
     across = clustered_gauss_kronrod(ACROSS_ORDER)
-    columns = 2 * thresholds + 1
-    return Panels(
-        start=np.zeros(MAX_PANELS),
-        end=np.zeros(MAX_PANELS),
-        strip=np.zeros(MAX_PANELS, dtype=np.int64),
-        value=np.zeros((MAX_PANELS, columns)),
-        error=np.zeros((MAX_PANELS, columns)),
-        pending_start=np.zeros(MAX_PANELS),
-        pending_end=np.zeros(MAX_PANELS),
-        pending_strip=np.zeros(MAX_PANELS, dtype=np.int64),
-        total=np.zeros(columns),
-        total_error=np.zeros(columns),
-        gauss=np.zeros(columns),
-        row=np.zeros(columns),
-        row_error=np.zeros(columns),
-        along_error=np.zeros(columns),
-        cuts=np.zeros(MAX_STATIONARY + MAX_CROSSINGS * thresholds + 2),
-        level_cuts=np.zeros(MAX_LEVEL_CUTS),
-        isotropic=np.zeros((MAX_ISOTROPIC, 2)),
-        saved_q=np.zeros((2, MAX_STATIONARY)),
-        rays=allocate_rays(len(across.nodes), thresholds),
-        along=tuple(clustered_gauss_kronrod(order) for order in ALONG_ORDERS),
-        across=across,
-    )
+    p.across_nodes[:], p.across_weights[:], p.across_gauss[:] = across
+    set_samples(p.rays)
 
 
 @kernel
 def _piece(
     r1: float, r2: float, r3: float, c: float, s: float, start: float, end: float,
-    s1: float, s2: float, rule: Rule,
+    s1: float, s2: float,
+    count: int, nodes: FloatArray, weights: FloatArray, gauss_weights: FloatArray,
 ) -> tuple[float, float]:  # fmt: skip
     """Return the Kronrod and Gauss sums of ∫ LCI ρ dρ between two distances on a ray."""
     length = end - start
     kronrod, gauss = 0.0, 0.0
-    nodes, weights, gauss_weights = rule.nodes, rule.weights, rule.gauss_weights
-    for j in range(len(nodes)):
+    for j in range(count):
         rho = start + length * nodes[j]
         f = rho * lci(r1, r2, r3, rho * c, rho * s, s1, s2)
         kronrod += weights[j] * f
@@ -195,13 +228,16 @@ def _integrate_ray(
     p.row[:] = 0.0
     p.row_error[:] = 0.0
     start = low
-    rule = p.along[level]
+    count = p.along_count[level]
+    nodes, weights, gauss = p.along_nodes[level], p.along_weights[level], p.along_gauss[level]
     for j in range(1, n):
         end = low + length * cluster(cuts[j])
         if end <= start:
             continue
-        kronrod, gauss = _piece(r1, r2, r3, c, s, start, end, s1, s2, rule)
-        error = kronrod_error(abs(kronrod - gauss), abs(kronrod))
+        kronrod, embedded = _piece(
+            r1, r2, r3, c, s, start, end, s1, s2, count, nodes, weights, gauss
+        )
+        error = kronrod_error(abs(kronrod - embedded), abs(kronrod))
         p.row[0] += kronrod
         p.row_error[0] += error
         if thresholds > 0:
@@ -216,6 +252,20 @@ def _integrate_ray(
 
 
 @kernel
+def _level_for(
+    p: Panels, share: float, ratios: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float,
+) -> int:  # fmt: skip
+    """Return the level of the rule along rays that the middle ray of a panel needs."""
+    middle = ACROSS_NODES // 2
+    for level in range(len(ALONG_ORDERS) - 1):
+        _integrate_ray(p, middle, level, ratios, r1, r2, r3, s1, s2)
+        if p.row_error[0] <= share * p.row[0]:
+            return level
+    return len(ALONG_ORDERS) - 1
+
+
+@kernel
 def _integrate_panel(
     p: Panels, panel: int, level: int, ratios: FloatArray,
     r1: float, r2: float, r3: float, s1: float, s2: float,
@@ -225,14 +275,14 @@ def _integrate_panel(
     Returns the share of the error of ∫ LCI dW that comes from along the rays, relative to
     the integral: a higher level of the rule lowers it, halving the panel does not.
     """
-    columns = len(p.total)
+    columns = 2 * len(ratios) + 1
     width = p.end[panel] - p.start[panel]
-    weights, gauss_weights = p.across.weights, p.across.gauss_weights
+    weights, gauss_weights = p.across_weights, p.across_gauss
     value, gauss = p.value[panel], p.gauss
     value[:] = 0.0
     gauss[:] = 0.0
     p.along_error[:] = 0.0
-    for row in range(len(weights)):
+    for row in range(ACROSS_NODES):
         _integrate_ray(p, row, level, ratios, r1, r2, r3, s1, s2)
         for m in range(columns):
             value[m] += weights[row] * p.row[m]
@@ -252,7 +302,7 @@ def _scan_single(
     r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
 ) -> int:  # fmt: skip
     """Place one ray in the spare row and scan it; return that row."""
-    spare = len(p.rays.phi) - 1
+    spare = ROWS - 1
     place_ray(p.rays, spare, phi, lower, upper, r1, r2, r3)
     scan_rays(p.rays, spare, spare + 1, lower, ratios, r1, r2, r3, s1, s2, assembly)
     return spare
@@ -387,20 +437,19 @@ def _level_changes(
     is followed into the corner.
     """
     rays = p.rays
-    n = len(p.across.nodes)
     cuts = 0
     for kind in range(len(ratios)):
         for side in range(2):
             if not (corner_start if side == 0 else corner_end) or cuts >= MAX_LEVEL_CUTS:
                 continue
-            row, corner = (0, start) if side == 0 else (n - 1, end)
+            row, corner = (0, start) if side == 0 else (ACROSS_NODES - 1, end)
             x = _corner_change(
                 p, row, corner, kind, lower, upper, ratios, r1, r2, r3, s1, s2, assembly
             )
             if not math.isnan(x):
                 p.level_cuts[cuts] = x
                 cuts += 1
-        for row in range(n - 1):
+        for row in range(ACROSS_NODES - 1):
             if (
                 rays.crossing_count[row, kind] != rays.crossing_count[row + 1, kind]
                 and cuts < MAX_LEVEL_CUTS
@@ -409,7 +458,7 @@ def _level_changes(
                     p, row, row + 1, kind, lower, upper, ratios, r1, r2, r3, s1, s2, assembly
                 )
                 cuts += 1
-        for row in range(1, n - 1):
+        for row in range(1, ACROSS_NODES - 1):
             count = rays.stationary_count[row]
             if count != rays.stationary_count[row - 1] or count != rays.stationary_count[row + 1]:
                 continue
@@ -440,16 +489,11 @@ def _push(p: Panels, pending: int, start: float, end: float, strip: int) -> int:
 @kernel
 def _settle(
     p: Panels, d: Decomposition, pending: int, panels: int, tolerance: float, negligible: float,
-    ratios: FloatArray, best: FloatArray,
+    ratios: FloatArray,
     r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
 ) -> int:  # fmt: skip
-    """Integrate all pending panels, cutting them at level changes; return the panel count.
-
-    ``best`` keeps the largest q seen, its angle, its distance, the neighbouring angles and
-    the strip.
-    """
+    """Integrate all pending panels, cutting them at level changes; return the panel count."""
     outer2 = (r1 + r2) * (r1 + r2)
-    n = len(p.across.nodes)
     while pending > 0 and panels < MAX_PANELS:
         pending -= 1
         start, end, strip = (
@@ -465,19 +509,19 @@ def _settle(
             p.error[panels] = bound
             panels += 1
             continue
-        for row in range(n):
-            phi = start + (end - start) * p.across.nodes[row]
+        for row in range(ACROSS_NODES):
+            phi = start + (end - start) * p.across_nodes[row]
             place_ray(p.rays, row, phi, lower, upper, r1, r2, r3)
-        scan_rays(p.rays, 0, n, lower, ratios, r1, r2, r3, s1, s2, assembly)
-        for row in range(n):
+        scan_rays(p.rays, 0, ACROSS_NODES, lower, ratios, r1, r2, r3, s1, s2, assembly)
+        for row in range(ACROSS_NODES):
             q, rho = highest_on_ray(p.rays, row)
-            if q > best[0]:
-                best[0] = q
-                best[1] = p.rays.phi[row]
-                best[2] = rho
-                best[3] = p.rays.phi[row - 1] if row > 0 else start
-                best[4] = p.rays.phi[row + 1] if row < n - 1 else end
-                best[5] = strip
+            if q > p.best[0]:
+                p.best[0] = q
+                p.best[1] = p.rays.phi[row]
+                p.best[2] = rho
+                p.best[3] = p.rays.phi[row - 1] if row > 0 else start
+                p.best[4] = p.rays.phi[row + 1] if row < ACROSS_NODES - 1 else end
+                p.best[5] = strip
         if end - start > LEAST_PANEL:
             cuts = _level_changes(
                 p, start == d.strip_from[strip], end == d.strip_to[strip], start, end,
@@ -492,8 +536,9 @@ def _settle(
             if left > start:
                 pending = _push(p, pending, left, end, strip)
                 continue
-        for level in range(len(p.along)):
-            along = _integrate_panel(p, panels, level, ratios, r1, r2, r3, s1, s2)
+        level = _level_for(p, ALONG_SHARE * tolerance, ratios, r1, r2, r3, s1, s2)
+        for higher in range(level, len(ALONG_ORDERS)):
+            along = _integrate_panel(p, panels, higher, ratios, r1, r2, r3, s1, s2)
             if along <= ALONG_SHARE * tolerance:
                 break
         panels += 1
@@ -501,21 +546,23 @@ def _settle(
 
 
 @kernel
-def _sum_panels(p: Panels, panels: int) -> None:
+def _sum_panels(p: Panels, panels: int, columns: int) -> None:
     """Add up the panels' integrals and errors."""
     p.total[:] = 0.0
     p.total_error[:] = 0.0
     for k in range(panels):
-        for m in range(len(p.total)):
+        for m in range(columns):
             p.total[m] += p.value[k, m]
             p.total_error[m] += p.error[k, m]
 
 
 @kernel
-def _excess(p: Panels, error: FloatArray, tolerance: float, floor: float) -> float:
+def _excess(
+    p: Panels, error: FloatArray, columns: int, tolerance: float, floor: float
+) -> float:
     """Return the largest ratio of an error to what the tolerance allows it."""
     worst = 0.0
-    for m in range(len(p.total)):
+    for m in range(columns):
         worst = max(worst, error[m] / (tolerance * abs(p.total[m]) + floor))
     return worst
 
@@ -552,7 +599,7 @@ def _cut_at_isotropic_points(
 @kernel
 def integrate_strips(
     p: Panels, d: Decomposition, strips: int, isotropic: int, ratios: FloatArray,
-    tolerance: float, area: float, best: FloatArray,
+    tolerance: float, area: float,
     r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
 ) -> bool:  # fmt: skip
     """Integrate LCI and the good-condition workspace over all strips.
@@ -571,8 +618,6 @@ def integrate_strips(
         Relative tolerance of every integral.
     area
         Area of the strips.
-    best
-        Receives the largest q on any ray and where, shape (6,).
     r1, r2, r3, s1, s2, assembly
         Design and mode pair.
 
@@ -583,22 +628,23 @@ def integrate_strips(
     """
     negligible = NEGLIGIBLE_SHARE * tolerance * area
     floor = 1e-13 * area
-    best[:] = 0.0
+    columns = 2 * len(ratios) + 1
+    p.best[:] = 0.0
     pending = 0
     for strip in range(strips):
         pending = _cut_at_isotropic_points(p, d, strip, isotropic, pending, r1, r2, r3)
     panels = _settle(
-        p, d, pending, 0, tolerance, negligible, ratios, best, r1, r2, r3, s1, s2, assembly
+        p, d, pending, 0, tolerance, negligible, ratios, r1, r2, r3, s1, s2, assembly
     )
     while True:
-        _sum_panels(p, panels)
-        if _excess(p, p.total_error, tolerance, floor) <= 1.0:
+        _sum_panels(p, panels, columns)
+        if _excess(p, p.total_error, columns, tolerance, floor) <= 1.0:
             return True
         if panels >= MAX_PANELS - 4:
             return False
         worst, worst_panel = 0.0, 0
         for k in range(panels):
-            excess = _excess(p, p.error[k], tolerance, floor)
+            excess = _excess(p, p.error[k], columns, tolerance, floor)
             if excess > worst:
                 worst, worst_panel = excess, k
         start, end, strip = p.start[worst_panel], p.end[worst_panel], p.strip[worst_panel]
@@ -614,13 +660,13 @@ def integrate_strips(
         pending = _push(p, 0, start, middle, strip)
         pending = _push(p, pending, middle, end, strip)
         panels = _settle(
-            p, d, pending, panels, tolerance, negligible, ratios, best, r1, r2, r3, s1, s2, assembly
+            p, d, pending, panels, tolerance, negligible, ratios, r1, r2, r3, s1, s2, assembly
         )
 
 
 @kernel
 def largest_lci(
-    p: Panels, d: Decomposition, strips: int, isotropic: int, best: FloatArray,
+    p: Panels, d: Decomposition, strips: int, isotropic: int,
     r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Return the largest LCI of the usable workspace and where (x, y) it occurs.
@@ -647,18 +693,18 @@ def largest_lci(
         x, y = p.isotropic[found, 0], p.isotropic[found, 1]
         return lci(r1, r2, r3, x, y, s1, s2), x, y
     # The largest q of a ray, m(φ), has the derivative ∂q/∂φ at that point: find its zero.
-    strip = int(best[5])
+    strip = int(p.best[5])
     lower, upper = d.strip_lower[strip], d.strip_upper[strip]
-    none = p.cuts[:0]  # no thresholds
-    x1, x2 = best[3], best[4]
+    none = p.level_cuts[:0]  # no thresholds
+    x1, x2 = p.best[3], p.best[4]
     f1, f2, x3, f3 = 0.0, 0.0, 0.0, 0.0
     share = 0.0
     for step in range(50):
         phi = x1 if step == 0 else x2 if step == 1 else x1 + share * (x2 - x1)
         row = _scan_single(p, phi, lower, upper, none, r1, r2, r3, s1, s2, assembly)
         q, rho = highest_on_ray(p.rays, row)
-        if q > best[0]:
-            best[0], best[1], best[2] = q, phi, rho
+        if q > p.best[0]:
+            p.best[0], p.best[1], p.best[2] = q, phi, rho
         c, s = p.rays.c[row], p.rays.s[row]
         f = conditioning_slope(r1, r2, r3, rho * c, rho * s, -s, c, s1, s2, assembly)
         if step == 0:
@@ -678,5 +724,5 @@ def largest_lci(
         share = next_share(x1, f1, x2, f2, x3, f3, 1e-9)
         if share == FOUND:
             break
-    x, y = best[2] * math.cos(best[1]), best[2] * math.sin(best[1])
+    x, y = p.best[2] * math.cos(p.best[1]), p.best[2] * math.sin(p.best[1])
     return lci(r1, r2, r3, x, y, s1, s2), x, y

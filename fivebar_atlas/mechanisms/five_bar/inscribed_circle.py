@@ -8,7 +8,7 @@ distance is sampled; next to the largest samples its maximum is closed in on.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -19,31 +19,37 @@ from fivebar_atlas.mechanisms.five_bar.singularity import (
     COUPLER_PLUS,
     ORIGIN,
     circle_of,
+    coupler_radius_rate,
     radius_along,
 )
 from fivebar_atlas.mechanisms.five_bar.workspace import LEAST_WIDTH, MAX_CELLS, Decomposition
+from fivebar_atlas.numerics.records import record_type
+from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
 
 #: Points of the axis, per interval inside the workspace, where the distance is sampled.
 AXIS_SAMPLES = 24
 #: Points of a coupler arc that bracket its nearest point.
 ARC_SAMPLES = 12
+MAX_ARCS = 2 * MAX_CELLS
+#: Angle to which the nearest point of a coupler arc is found.
+ANGLE_TOLERANCE = 1e-13
 #: The centre is found to this accuracy (lengths sum to 3).
 CENTRE_TOLERANCE = 1e-12
 
 
-class Arcs(NamedTuple):
+class Arcs(Protocol):
     """Boundary arcs of a usable workspace.
 
     Attributes
     ----------
     curve
-        Curve of each arc, shape (2 MAX_CELLS,).
+        Curve of each arc, shape (MAX_ARCS,).
     start, end
-        Angles where it begins and ends, shape (2 MAX_CELLS,).
+        Angles where it begins and ends, shape (MAX_ARCS,).
     x0, y0, x1, y1
-        End points, shape (2 MAX_CELLS,).
+        End points, shape (MAX_ARCS,).
     sample_x, sample_y
-        Points of the coupler arcs, shape (2 MAX_CELLS, ARC_SAMPLES).
+        Points of the coupler arcs, shape (MAX_ARCS, ARC_SAMPLES).
     """
 
     curve: npt.NDArray[np.int64]
@@ -57,14 +63,11 @@ class Arcs(NamedTuple):
     sample_y: FloatArray
 
 
-def allocate_arcs() -> Arcs:
-    """Return the arrays for boundary arcs."""
-    room = 2 * MAX_CELLS
-    return Arcs(
-        np.zeros(room, dtype=np.int64),
-        *(np.zeros(room) for _ in range(6)),
-        *(np.zeros((room, ARC_SAMPLES)) for _ in range(2)),
-    )
+ARCS = record_type(
+    ("curve", np.int64, (MAX_ARCS,)),
+    *((name, np.float64, (MAX_ARCS,)) for name in ("start", "end", "x0", "y0", "x1", "y1")),
+    *((name, np.float64, (MAX_ARCS, ARC_SAMPLES)) for name in ("sample_x", "sample_y")),
+)
 
 
 @kernel
@@ -100,13 +103,28 @@ def collect_arcs(
 
 
 @kernel
+def _coupler_distance(
+    arcs: Arcs, k: int, phi: float, centre: float, r1: float, r2: float, r3: float
+) -> tuple[float, float, float]:
+    """Return the squared distance from (0, centre) to a coupler arc's point, half its
+    derivative in φ, and the point's ordinate.
+    """  # noqa: D205
+    c, s = math.cos(phi), math.sin(phi)
+    rho = radius_along(arcs.curve[k], r1, r2, r3, c, s)
+    rate = coupler_radius_rate(arcs.curve[k], r1, r2, r3, c, s)
+    x, y = rho * c, rho * s
+    half_slope = 0.5 * rate - centre * (0.5 * rate / max(rho, 1e-12) * s + x)
+    return x * x + (y - centre) * (y - centre), half_slope, y
+
+
+@kernel
 def _nearest_on_coupler(
-    arcs: Arcs, k: int, centre: float, best2: float, r1: float, r2: float, r3: float
+    arcs: Arcs, k: int, centre: float, best2: float, exact: bool, r1: float, r2: float, r3: float
 ) -> tuple[float, float]:
     """Return the squared distance from (0, centre) to a coupler arc and the ordinate there.
 
-    The samples bracket the nearest point; golden sections close in on it. Arcs whose
-    samples are too far to beat ``best2`` are left at that.
+    The samples bracket the nearest point, a zero of the derivative. Where that is not to
+    be ``exact``, or the samples are too far to beat ``best2``, they are left at that.
     """
     near, near2 = 0, math.inf
     for j in range(ARC_SAMPLES):
@@ -114,42 +132,34 @@ def _nearest_on_coupler(
         distance2 = x * x + y * y
         if distance2 < near2:
             near, near2 = j, distance2
+    near_y = arcs.sample_y[k, near]
     # between samples the arc is nearer by no more than the chord to a neighbour
     other = near + 1 if near + 1 < ARC_SAMPLES else near - 1
-    gap = math.hypot(
-        arcs.sample_x[k, near] - arcs.sample_x[k, other],
-        arcs.sample_y[k, near] - arcs.sample_y[k, other],
-    )
-    if math.sqrt(near2) - 1.5 * gap > math.sqrt(best2):
-        return near2, arcs.sample_y[k, near]
+    gap_x = arcs.sample_x[k, near] - arcs.sample_x[k, other]
+    gap_y = arcs.sample_y[k, near] - arcs.sample_y[k, other]
+    gap = 1.5 * math.sqrt(gap_x * gap_x + gap_y * gap_y)
+    if not exact or math.sqrt(near2) - gap > math.sqrt(best2):
+        return near2, near_y
     step = (arcs.end[k] - arcs.start[k]) / ARC_SAMPLES
     middle = arcs.start[k] + (near + 0.5) * step
-    a, b = max(middle - step, arcs.start[k]), min(middle + step, arcs.end[k])
-    golden = 0.6180339887498949
-    u, v = b - golden * (b - a), a + golden * (b - a)
-    fu, yu = _coupler_distance(arcs, k, u, centre, r1, r2, r3)
-    fv, yv = _coupler_distance(arcs, k, v, centre, r1, r2, r3)
-    while b - a > 1e-8:  # the distance is then stationary to rounding
-        if fu < fv:
-            b, v, fv, yv = v, u, fu, yu
-            u = b - golden * (b - a)
-            fu, yu = _coupler_distance(arcs, k, u, centre, r1, r2, r3)
+    x1, x2 = max(middle - step, arcs.start[k]), min(middle + step, arcs.end[k])
+    d1, f1, y1 = _coupler_distance(arcs, k, x1, centre, r1, r2, r3)
+    d2, f2, y2 = _coupler_distance(arcs, k, x2, centre, r1, r2, r3)
+    if f1 >= 0.0 or f2 <= 0.0:  # the nearest point is an end, which is looked at elsewhere
+        return near2, near_y
+    share = first_share(f1, f2)
+    while share != FOUND:
+        phi = x1 + share * (x2 - x1)
+        distance2, f, y = _coupler_distance(arcs, k, phi, centre, r1, r2, r3)
+        if distance2 < near2:
+            near2, near_y = distance2, y
+        if (f > 0.0) == (f1 > 0.0):
+            x3, f3 = x1, f1
         else:
-            a, u, fu, yu = u, v, fv, yv
-            v = a + golden * (b - a)
-            fv, yv = _coupler_distance(arcs, k, v, centre, r1, r2, r3)
-    return (fu, yu) if fu < fv else (fv, yv)
-
-
-@kernel
-def _coupler_distance(
-    arcs: Arcs, k: int, phi: float, centre: float, r1: float, r2: float, r3: float
-) -> tuple[float, float]:
-    """Return the squared distance from (0, centre) to a coupler arc's point, and its y."""
-    c, s = math.cos(phi), math.sin(phi)
-    rho = radius_along(arcs.curve[k], r1, r2, r3, c, s)
-    x, y = rho * c, rho * s
-    return x * x + (y - centre) * (y - centre), y
+            x3, f3, x2, f2 = x2, f2, x1, f1
+        x1, f1 = phi, f
+        share = next_share(x1, f1, x2, f2, x3, f3, ANGLE_TOLERANCE)
+    return near2, near_y
 
 
 @kernel
@@ -169,21 +179,23 @@ def _nearest_on_circle(
         x, y = a + radius * gx / span, b + radius * gy / span
         if ((x - a) * x + (y - b) * y) * sheet < 0.0:
             return math.inf, 0.0
-        phi = math.atan2(y, x)
-        if phi < -0.5 * math.pi:
-            phi += 2.0 * math.pi
-        if not arcs.start[k] - 1e-12 <= phi <= arcs.end[k] + 1e-12:
+        # inside the angle from start to end: left of the one ray and right of the other
+        after = arcs.x0[k] * y - arcs.y0[k] * x >= 0.0
+        before = x * arcs.y1[k] - y * arcs.x1[k] >= 0.0
+        wide = arcs.end[k] - arcs.start[k] > math.pi
+        if not ((after or before) if wide else (after and before)):
             return math.inf, 0.0
     return x * x + (y - centre) * (y - centre), y
 
 
 @kernel
 def clearance(
-    arcs: Arcs, count: int, centre: float, r1: float, r2: float, r3: float
+    arcs: Arcs, count: int, centre: float, exact: bool, r1: float, r2: float, r3: float
 ) -> tuple[float, float]:
     """Return the distance from (0, centre) to the nearest boundary arc and its slope.
 
-    The slope is the derivative with respect to ``centre``, -1 to 1.
+    The slope is the derivative with respect to ``centre``, -1 to 1. Distances to arcs of
+    C_col may be a little too large where they are not to be ``exact``.
     """
     best2, best_y = math.inf, 0.0
     for k in range(count):
@@ -199,7 +211,7 @@ def clearance(
                 best2, best_y = distance2, y
     for k in range(count):  # last, when most of them can be passed over
         if arcs.curve[k] >= COUPLER_PLUS:
-            distance2, y = _nearest_on_coupler(arcs, k, centre, best2, r1, r2, r3)
+            distance2, y = _nearest_on_coupler(arcs, k, centre, best2, exact, r1, r2, r3)
             if distance2 < best2:
                 best2, best_y = distance2, y
     distance = math.sqrt(best2)
@@ -215,8 +227,8 @@ def _close_in(
     Where the nearest arc changes, the clearance has a ridge: the tangents at both ends
     meet near it. Steps that cut too little off are followed by a bisection.
     """
-    f0, slope0 = clearance(arcs, count, left, r1, r2, r3)
-    f1, slope1 = clearance(arcs, count, right, r1, r2, r3)
+    f0, slope0 = clearance(arcs, count, left, True, r1, r2, r3)
+    f1, slope1 = clearance(arcs, count, right, True, r1, r2, r3)
     best, centre = (f0, left) if f0 >= f1 else (f1, right)
     bisect = False
     for _ in range(80):
@@ -226,7 +238,7 @@ def _close_in(
         x = left + (f1 - f0 - slope1 * width) / (slope0 - slope1)
         if bisect or not left < x < right:
             x = 0.5 * (left + right)
-        f, slope = clearance(arcs, count, x, r1, r2, r3)
+        f, slope = clearance(arcs, count, x, True, r1, r2, r3)
         if f > best:
             best, centre = f, x
         if slope > 0.0:
@@ -244,15 +256,15 @@ def _largest_between(
     """Return the largest clearance on an interval of the axis, and its centre."""
     best, centre = -1.0, low
     step = (high - low) / (AXIS_SAMPLES - 1)
-    before, _ = clearance(arcs, count, low, r1, r2, r3)
-    here, _ = clearance(arcs, count, low + step, r1, r2, r3)
+    before, _ = clearance(arcs, count, low, False, r1, r2, r3)
+    here, _ = clearance(arcs, count, low + step, False, r1, r2, r3)
     if before > best:
         best, centre = before, low
     for k in range(1, AXIS_SAMPLES):
         y = low + k * step if k < AXIS_SAMPLES - 1 else high
         after = -1.0
         if k < AXIS_SAMPLES - 1:
-            after, _ = clearance(arcs, count, y + step, r1, r2, r3)
+            after, _ = clearance(arcs, count, y + step, False, r1, r2, r3)
         # the clearance changes by no more than the step
         if here >= before and here >= after and here + step > best:
             f, x = _close_in(arcs, count, y - step, min(y + step, high), r1, r2, r3)

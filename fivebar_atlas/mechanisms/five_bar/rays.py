@@ -12,7 +12,7 @@ everything is analytic up to serial singularities. Thresholds are given as ratio
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -22,23 +22,35 @@ from fivebar_atlas.mechanisms.base import FloatArray
 from fivebar_atlas.mechanisms.five_bar.jacobian import conditioning_ratio, conditioning_slope
 from fivebar_atlas.mechanisms.five_bar.singularity import ORIGIN, radius_along
 from fivebar_atlas.numerics.quadrature import cluster
+from fivebar_atlas.numerics.records import record_type
 from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
 
 IndexArray = npt.NDArray[np.int64]
 
 #: Positions at which a ray is sampled to find stationary points.
 SAMPLES = 16
+#: Order of the Gauss rule across the rays of a panel, and number of its Kronrod nodes.
+ACROSS_ORDER = 7
+ACROSS_NODES = 2 * ACROSS_ORDER + 1
+#: Rays of a panel, and a spare one for single rays.
+ROWS = ACROSS_NODES + 1
+#: Most thresholds treated together.
+MAX_THRESHOLDS = 16
 #: Most stationary points kept on a ray; more than five have not been seen.
 MAX_STATIONARY = 8
 #: Most crossings of one threshold kept on a ray.
 MAX_CROSSINGS = MAX_STATIONARY + 2
-#: A root is found when its bracket in v is this short.
-ROOT_TOLERANCE = 1e-13
+#: A stationary point is found when its bracket in v is this short: q is then exact.
+STATIONARY_TOLERANCE = 1e-7
+#: A crossing is found when its bracket in v is this short.
+CROSSING_TOLERANCE = 1e-13
+#: Points are evaluated in multiples of this; what lies beyond the last one is not used.
+LANES = 8
 #: No root takes as many steps; Chandrupatla's rule needs about six.
 MAX_STEPS = 60
 
 
-class Brackets(NamedTuple):
+class Brackets(Protocol):
     """Brackets being narrowed, structure of arrays, each of shape (brackets,).
 
     Attributes
@@ -69,31 +81,31 @@ class Brackets(NamedTuple):
     value: FloatArray
 
 
-class Rays(NamedTuple):
+class Rays(Protocol):
     """Rays of one panel, one a row; the last row is spare, for single rays.
 
     Attributes
     ----------
     phi, c, s
-        Angle, cosine, sine, shape (rows,).
+        Angle, cosine, sine, shape (ROWS,).
     low, length
-        Distance where the ray enters the strip and the length inside, shape (rows,).
+        Distance where the ray enters the strip and the length inside, shape (ROWS,).
     sample_v
         Positions where q and its slope are sampled, shape (SAMPLES,).
     sample_q, sample_slope
-        The samples, shape (rows, SAMPLES).
+        The samples, shape (ROWS, SAMPLES).
     sample_c, sample_s, sample_rho
         Points of one ray's samples, shape (SAMPLES,).
     stationary_count
-        Number of stationary points of q, shape (rows,).
+        Number of stationary points of q, shape (ROWS,).
     stationary_sample
-        The sample just before each, shape (rows, MAX_STATIONARY).
+        The sample just before each, shape (ROWS, MAX_STATIONARY).
     stationary_v, stationary_q
-        Their positions and values, shape (rows, MAX_STATIONARY).
+        Their positions and values, shape (ROWS, MAX_STATIONARY).
     crossing_count
-        Number of crossings of each threshold, shape (rows, thresholds).
+        Number of crossings of each threshold, shape (ROWS, MAX_THRESHOLDS).
     crossing_v
-        Their positions, shape (rows, thresholds, MAX_CROSSINGS).
+        Their positions, shape (ROWS, MAX_THRESHOLDS, MAX_CROSSINGS).
     brackets
         Work space.
     """
@@ -118,34 +130,36 @@ class Rays(NamedTuple):
     brackets: Brackets
 
 
-def allocate_rays(rows: int, thresholds: int) -> Rays:
-    """Return the arrays for so many rays (a spare one added) and thresholds."""
-    rows += 1
-    room = rows * MAX_CROSSINGS * max(thresholds, 1)
-    return Rays(
-        phi=np.zeros(rows),
-        c=np.zeros(rows),
-        s=np.zeros(rows),
-        low=np.zeros(rows),
-        length=np.zeros(rows),
-        # Chebyshev points in v; the map from v to ρ gathers them once more at the ends
-        sample_v=0.5 - 0.5 * np.cos(np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES),
-        sample_q=np.zeros((rows, SAMPLES)),
-        sample_slope=np.zeros((rows, SAMPLES)),
-        sample_c=np.zeros(SAMPLES),
-        sample_s=np.zeros(SAMPLES),
-        sample_rho=np.zeros(SAMPLES),
-        stationary_count=np.zeros(rows, dtype=np.int64),
-        stationary_sample=np.zeros((rows, MAX_STATIONARY), dtype=np.int64),
-        stationary_v=np.zeros((rows, MAX_STATIONARY)),
-        stationary_q=np.zeros((rows, MAX_STATIONARY)),
-        crossing_count=np.zeros((rows, thresholds), dtype=np.int64),
-        crossing_v=np.zeros((rows, thresholds, MAX_CROSSINGS)),
-        brackets=Brackets(
-            *(np.zeros(room, dtype=np.int64) for _ in range(3)),
-            *(np.zeros(room) for _ in range(9)),
-        ),
-    )
+_ROOM = ROWS * MAX_CROSSINGS * MAX_THRESHOLDS  # a multiple of LANES
+BRACKETS = record_type(
+    *((name, np.int64, (_ROOM,)) for name in ("row", "kind", "slot")),
+    *(
+        (name, np.float64, (_ROOM,))
+        for name in ("x1", "f1", "x2", "f2", "trial", "c", "s", "rho", "value")
+    ),
+)
+RAYS = record_type(
+    *((name, np.float64, (ROWS,)) for name in ("phi", "c", "s", "low", "length")),
+    ("sample_v", np.float64, (SAMPLES,)),
+    ("sample_q", np.float64, (ROWS, SAMPLES)),
+    ("sample_slope", np.float64, (ROWS, SAMPLES)),
+    *((name, np.float64, (SAMPLES,)) for name in ("sample_c", "sample_s", "sample_rho")),
+    ("stationary_count", np.int64, (ROWS,)),
+    ("stationary_sample", np.int64, (ROWS, MAX_STATIONARY)),
+    ("stationary_v", np.float64, (ROWS, MAX_STATIONARY)),
+    ("stationary_q", np.float64, (ROWS, MAX_STATIONARY)),
+    ("crossing_count", np.int64, (ROWS, MAX_THRESHOLDS)),
+    ("crossing_v", np.float64, (ROWS, MAX_THRESHOLDS, MAX_CROSSINGS)),
+    ("brackets", BRACKETS, ()),
+)
+
+
+def set_samples(rays: Rays) -> None:
+    """Set the sample positions: Chebyshev points in v.
+
+    The map from v to ρ gathers them once more at the ends.
+    """
+    rays.sample_v[:] = 0.5 - 0.5 * np.cos(np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES)
 
 
 @kernel
@@ -167,8 +181,8 @@ def _ratios_at(
     c: FloatArray, s: FloatArray, rho: FloatArray, out: FloatArray, count: int,
     r1: float, r2: float, r3: float, s1: float, s2: float,
 ) -> None:  # fmt: skip
-    """Evaluate q at ``count`` points given in polar form."""
-    for k in range(count):
+    """Evaluate q at ``count`` points given in polar form, in whole SIMD registers."""
+    for k in range((count + LANES - 1) // LANES * LANES):
         out[k] = conditioning_ratio(r1, r2, r3, rho[k] * c[k], rho[k] * s[k], s1, s2)
 
 
@@ -177,8 +191,8 @@ def _slopes_at(
     c: FloatArray, s: FloatArray, rho: FloatArray, out: FloatArray, count: int,
     r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
 ) -> None:  # fmt: skip
-    """Evaluate a positive multiple of dq/dρ at ``count`` points given in polar form."""
-    for k in range(count):
+    """Evaluate a multiple > 0 of dq/dρ at ``count`` points, in whole SIMD registers."""
+    for k in range((count + LANES - 1) // LANES * LANES):
         out[k] = conditioning_slope(
             r1, r2, r3, rho[k] * c[k], rho[k] * s[k], c[k], s[k], s1, s2, assembly
         )
@@ -211,7 +225,7 @@ def _place_trials(rays: Rays, count: int) -> None:
 
 
 @kernel
-def _narrow(b: Brackets, k: int, f: float) -> float:
+def _narrow(b: Brackets, k: int, f: float, tolerance: float) -> float:
     """Take in the value at bracket k's trial point; return the next share or FOUND."""
     x = b.trial[k]
     if (f > 0.0) == (b.f1[k] > 0.0):
@@ -220,7 +234,7 @@ def _narrow(b: Brackets, k: int, f: float) -> float:
         x3, f3 = b.x2[k], b.f2[k]
         b.x2[k], b.f2[k] = b.x1[k], b.f1[k]
     b.x1[k], b.f1[k] = x, f
-    return next_share(x, f, b.x2[k], b.f2[k], x3, f3, ROOT_TOLERANCE)
+    return next_share(x, f, b.x2[k], b.f2[k], x3, f3, tolerance)
 
 
 @kernel
@@ -275,7 +289,7 @@ def find_stationary_points(
         _slopes_at(b.c, b.s, b.rho, b.value, count, r1, r2, r3, s1, s2, assembly)
         kept = 0
         for k in range(count):
-            share = _narrow(b, k, b.value[k])
+            share = _narrow(b, k, b.value[k], STATIONARY_TOLERANCE)
             if share == FOUND:
                 rho = b.rho[k]
                 rays.stationary_v[b.row[k], b.slot[k]] = b.x1[k]
@@ -330,7 +344,7 @@ def find_crossings(
         _ratios_at(b.c, b.s, b.rho, b.value, count, r1, r2, r3, s1, s2)
         kept = 0
         for k in range(count):
-            share = _narrow(b, k, b.value[k] - ratios[b.kind[k]])
+            share = _narrow(b, k, b.value[k] - ratios[b.kind[k]], CROSSING_TOLERANCE)
             if share == FOUND:
                 rays.crossing_v[b.row[k], b.kind[k], b.slot[k]] = b.x1[k]
             else:

@@ -90,6 +90,17 @@ def coupler_squared_radius(
 
 
 @kernel
+def coupler_radius_rate(
+    curve: int, r1: float, r2: float, r3: float, c: float, s: float
+) -> float:
+    """Return d(ρ²)/dφ along a branch of C_col."""
+    branch = 1.0 if curve == COUPLER_PLUS else -1.0
+    root = math.sqrt(max(coupler_root(r2, r3, c), 1e-300))
+    lever = r3 * s - branch * root
+    return -2.0 * lever * (r3 * c - branch * r3 * r3 * c * s / root)
+
+
+@kernel
 def exists(curve: int, r1: float, r2: float, r3: float, c: float, s: float) -> bool:
     """Tell whether a ray meets a curve at a positive distance."""
     if curve >= COUPLER_PLUS:

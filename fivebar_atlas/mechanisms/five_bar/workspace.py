@@ -16,7 +16,7 @@ decomposed. Otherwise φ runs from -π/2 to 3π/2.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -40,6 +40,7 @@ from fivebar_atlas.mechanisms.five_bar.singularity import (
     swept_area,
 )
 from fivebar_atlas.numerics.arcs import lens_area
+from fivebar_atlas.numerics.records import record_type
 
 IndexArray = npt.NDArray[np.int64]
 
@@ -50,7 +51,7 @@ MAX_CELLS = 8 * MAX_CRITICAL
 AREA_ROUNDING = 4e-15
 
 
-class Decomposition(NamedTuple):
+class Decomposition(Protocol):
     """The cells of one design and mode pair, and the strips of its usable workspace.
 
     Attributes
@@ -87,22 +88,20 @@ class Decomposition(NamedTuple):
     sorted_curve: IndexArray
 
 
-def allocate_decomposition() -> Decomposition:
-    """Return the arrays of a decomposition, to be used for one design after another."""
-    return Decomposition(
-        angles=np.zeros(MAX_CRITICAL),
-        first=np.zeros(MAX_CRITICAL + 1, dtype=np.int64),
-        lower=np.zeros(MAX_CELLS, dtype=np.int64),
-        upper=np.zeros(MAX_CELLS, dtype=np.int64),
-        component=np.zeros(MAX_CELLS, dtype=np.int64),
-        area=np.zeros(MAX_CELLS),
-        strip_from=np.zeros(MAX_CELLS),
-        strip_to=np.zeros(MAX_CELLS),
-        strip_lower=np.zeros(MAX_CELLS, dtype=np.int64),
-        strip_upper=np.zeros(MAX_CELLS, dtype=np.int64),
-        sorted_radius=np.zeros(CURVES),
-        sorted_curve=np.zeros(CURVES, dtype=np.int64),
-    )
+DECOMPOSITION = record_type(
+    ("angles", np.float64, (MAX_CRITICAL,)),
+    ("first", np.int64, (MAX_CRITICAL + 1,)),
+    ("lower", np.int64, (MAX_CELLS,)),
+    ("upper", np.int64, (MAX_CELLS,)),
+    ("component", np.int64, (MAX_CELLS,)),
+    ("area", np.float64, (MAX_CELLS,)),
+    ("strip_from", np.float64, (MAX_CELLS,)),
+    ("strip_to", np.float64, (MAX_CELLS,)),
+    ("strip_lower", np.int64, (MAX_CELLS,)),
+    ("strip_upper", np.int64, (MAX_CELLS,)),
+    ("sorted_radius", np.float64, (CURVES,)),
+    ("sorted_curve", np.int64, (CURVES,)),
+)
 
 
 @kernel
