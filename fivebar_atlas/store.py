@@ -50,6 +50,9 @@ FORMAT_VERSION = 1
 _CHUNK_BYTES = 1 << 20
 _CHUNK_DESIGNS = 16384
 
+# Blocks are written so many designs at a time, because each write to a dataset costs.
+_SLAB_DESIGNS = 4096
+
 # A stored threshold is found again by a number that differs in the last digits.
 _SAME_THRESHOLD = 1e-12
 
@@ -186,18 +189,28 @@ class AtlasWriter:
         with h5py.File(file, "w") as target:
             target.attrs.update(_provenance(self._settings, self._command_line))
             datasets = self._create_datasets(target)
-            for index, (start, stop) in enumerate(self._ranges):
+            for start, records in self._slabs():
                 # Checked here and not only at the end, lest HDF5 reads back what is not there.
                 file.check()
-                records = self._blocks.read(index)
-                if records is None:
-                    raise FileError(
-                        self._blocks.path,
-                        f"block {index} is missing or damaged; --resume computes it again",
-                    )
                 for name, dataset in datasets.items():
                     if dataset.size:
-                        dataset[start:stop] = records[name]
+                        dataset[start : start + len(records)] = records[name]
+
+    def _slabs(self) -> Iterator[tuple[int, npt.NDArray[Any]]]:
+        """Yield first design and records of several blocks at a time, in their order."""
+        first, waiting, count = 0, [], 0
+        for index, (_, stop) in enumerate(self._ranges):
+            records = self._blocks.read(index)
+            if records is None:
+                raise FileError(
+                    self._blocks.path,
+                    f"block {index} is missing or damaged; --resume computes it again",
+                )
+            waiting.append(records)
+            count += len(records)
+            if count >= _SLAB_DESIGNS or index == len(self._ranges) - 1:
+                yield first, np.concatenate(waiting)
+                first, waiting, count = stop, [], 0
 
     def _create_datasets(self, target: h5py.File) -> dict[str, h5py.Dataset]:
         """Create all datasets; return those that the blocks fill."""

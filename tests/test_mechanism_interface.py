@@ -237,7 +237,7 @@ def test_another_mechanism_goes_through_the_commands(
     assert 'mechanism = "toy"' in shown
     assert 'space = "whole"' in shown
     text = atlas("evaluate", "--mechanism", toy, 0.25, 0.75, "--mode", "right").out
-    assert "swept area" in text
+    assert "sweep_area" in text
     document: dict[str, Any] = json.loads(
         atlas("evaluate", "--mechanism", toy, 0.25, 0.75, "--json").out
     )
