@@ -26,7 +26,6 @@ REPRODUCED = "reproduced"
 LAST_DIGIT_DIFFERS = "last_digit_differs"
 NOT_REPRODUCED = "not_reproduced"
 
-_MECHANISM = mechanisms.get("five-bar")
 _LENGTHS = ("r1", "r2", "r3")
 
 Results = dict[str, npt.NDArray[np.float64]]
@@ -108,19 +107,17 @@ def load() -> list[PublishedValue]:
     return values
 
 
-def _evaluate(
-    designs: npt.ArrayLike, mode: str, tolerance: float, lci_threshold: float = 0.5
-) -> Results:
-    settings = SweepSettings("five-bar", "surrounded", 3, (mode,), (lci_threshold,), tolerance)
-    results = _MECHANISM.evaluate(np.atleast_2d(np.asarray(designs, dtype=float)), settings)
-    # One mode pair and one threshold: one value for each design.
-    return {name: values.reshape(len(values)) for name, values in results.items()}
-
-
 def _quantity(
     *, quantity: str, design: list[float], mode: str, lci_threshold: float = 0.5
 ) -> float:
-    return float(_evaluate(design, mode, 1e-9, lci_threshold)[quantity][0])
+    return _of_one(FiveBar(*design), quantity, mode, lci_threshold)
+
+
+def _of_one(manipulator: FiveBar, quantity: str, mode: str, lci_threshold: float = 0.5) -> float:
+    values = manipulator.evaluate(mode, [lci_threshold], tolerance=1e-9)
+    (good,) = values["good_condition"]
+    values |= {"good_condition_workspace_area": good["area"], "good_condition_gci": good["gci"]}
+    return float(values[quantity])
 
 
 def _lci_radius(*, lci_radius: str, design: list[float], lci_threshold: float, mode: str) -> float:
@@ -146,8 +143,12 @@ def _lci_radius(*, lci_radius: str, design: list[float], lci_threshold: float, m
 
 @functools.cache
 def _lattice(resolution: int, mode: str) -> tuple[npt.NDArray[np.float64], Results]:
-    designs = _MECHANISM.lattice("surrounded", resolution)
-    return designs, _evaluate(designs, mode, 1e-4)
+    """Return the designs of the surrounded space, and their results to four digits."""
+    mechanism = mechanisms.get("five-bar")
+    settings = SweepSettings("five-bar", "surrounded", resolution, (mode,), (), 1e-4)
+    designs = mechanism.lattice(settings.space, settings.resolution)
+    results = mechanism.evaluate(designs, settings)
+    return designs, {name: results[name][:, 0] for name in ("usable_workspace_area", "gci")}
 
 
 def _largest_over_lattice(*, largest_over_lattice: str, resolution: int, mode: str) -> float:
@@ -191,13 +192,15 @@ def _sizing(
 
 
 def _machine(*, machine: str, lengths: list[float], mode: str) -> float:
-    design, factor = _MECHANISM.from_lengths(lengths)
-    if machine in _LENGTHS:
-        return float(design[_LENGTHS.index(machine)])
+    manipulator = FiveBar.from_lengths(*lengths)
+    factor = manipulator.dimensional_factor
     if machine == "D":
         return factor
-    scale = factor ** _MECHANISM.quantity(machine).length_power
-    return scale * _quantity(quantity=machine, design=design.tolist(), mode=mode)
+    if machine in _LENGTHS:
+        return float(getattr(manipulator, machine))
+    if machine == "usable_workspace_area":
+        return factor**2 * _of_one(manipulator, machine, mode)
+    raise ValueError(f"there is no computation of {machine!r}")
 
 
 _COMPUTATIONS: dict[str, Callable[..., float]] = {

@@ -137,6 +137,17 @@ def test_python_examples_give_what_they_show(page: Path) -> None:
         assert not report, "".join(report)
 
 
+@pytest.mark.parametrize("name", sorted(set(fivebar_atlas.__all__) - {"__version__"}))
+@pytest.mark.usefixtures("small_atlas")
+def test_examples_in_docstrings_give_what_they_show(name: str) -> None:
+    public = getattr(fivebar_atlas, name)
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
+    report: list[str] = []
+    for test in doctest.DocTestFinder().find(public, name, globs={name: public}):
+        runner.run(test, out=report.append)
+    assert not report, "".join(report)
+
+
 @pytest.mark.parametrize("page", PAGES, ids=identify)
 def test_commands_and_options_exist(page: Path) -> None:
     for line in shell_lines(page):

@@ -62,7 +62,7 @@ def test_the_two_printed_gci_of_one_design_contradict_each_other() -> None:
 
 def test_a_lower_bound_of_the_gci_gives_a_region_like_the_printed_one() -> None:
     template = next(value for value in VALUES if value.identity == "region_least_r1")
-    bounds = {"r1": (1.19, 1.43), "r2": (1.50, 1.79), "r3": (0.0, 0.13)}
+    bounds = {"r1": (1.19, 1.43), "r2": (1.50, 1.78), "r3": (0.0, 0.13)}
     for length, expected in bounds.items():
         for bound, edge in zip(("least", "greatest"), expected, strict=True):
             changed = {"region_bound": bound, "length": length, "gci": 0.62, "resolution": 300}
