@@ -94,7 +94,7 @@ def test_long_text_is_broken_and_nothing_lost() -> None:
 
 
 def test_what_belongs_together_is_not_broken_where_it_need_not_be() -> None:
-    assert wrapped("an area that is large (in units of $D^2$)", 8.0, 42.0) == [
+    assert wrapped("an area that is large (in units of $D^2$)", 8.0, 36.0) == [
         "an area that is large",
         "(in units of $D^2$)",
     ]

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import click
 
 from fivebar_atlas.cli import options
-from fivebar_atlas.errors import UnknownNameError
+from fivebar_atlas.errors import InputError, UnknownNameError
 
 Command = Callable[..., None]
 
@@ -82,6 +83,17 @@ def file_options(command: Command) -> Command:
     return command
 
 
+@contextlib.contextmanager
+def _asked_to_choose() -> Iterator[None]:
+    """Name the option where a file holds several mode pairs or thresholds and none is chosen."""
+    try:
+        yield
+    except InputError as error:
+        if error.value is not None:
+            raise
+        raise click.UsageError(f"--{error.name} must be given: {error.allowed}") from None
+
+
 @plot.command("design-space")
 @click.argument("file", metavar="[FILE.h5]", required=False, type=click.Path())
 @click.option("--space", metavar="NAME", help="Design space: surrounded or assemblable.")
@@ -94,7 +106,6 @@ def design_space(
     The design space is that of FILE, or the one named by --space.
     """
     from fivebar_atlas import mechanisms
-    from fivebar_atlas.errors import InputError
     from fivebar_atlas.figures.design_space import design_space_figure
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
     from fivebar_atlas.store import open_atlas
@@ -127,7 +138,7 @@ def _draw_quantity(
     from fivebar_atlas.store import open_atlas
 
     check_figure_output(output, overwrite)
-    with open_atlas(file) as atlas:
+    with open_atlas(file) as atlas, _asked_to_choose():
         figure = quantity_figure(atlas, name, mode, lci, width=width)
     save_figure(figure, output, overwrite)
 
@@ -189,7 +200,7 @@ def region(
 
     check_figure_output(output, overwrite)
     conditions = [parse_condition(where) for where in wheres]
-    with open_atlas(file) as atlas:
+    with open_atlas(file) as atlas, _asked_to_choose():
         found = optimum_region(atlas, conditions, mode, lci)
         bounds = [(each.quantity, each.operator, each.bound) for each in conditions]
         figure = region_figure(atlas, found.region, bounds, mode, lci, width=width)
