@@ -6,6 +6,7 @@ The rules are made here in NumPy and handed to the kernels as arguments.
 from __future__ import annotations
 
 import functools
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -97,12 +98,18 @@ def cluster(v: float) -> float:
 
 
 @kernel
-def kronrod_error(difference: float, scale: float) -> float:
+def cluster_slope(v: float) -> float:
+    """Return the derivative 6 v (1 - v) of :func:`cluster`."""
+    return 6.0 * v * (1.0 - v)
+
+
+@kernel
+def kronrod_error(difference: float, scale: float, least_gain: float) -> float:
     """Return the error estimate of a Kronrod sum from its distance to the Gauss sum.
 
     Where both converge geometrically the Kronrod error is about the 3/2 power of the
-    difference. The gain is used with a factor of 20 in hand and never beyond 100, because
-    convergence is algebraic at weak end-point singularities.
+    difference. That is used with a factor of 20 in hand, and only down to ``least_gain``
+    times the difference, because convergence is algebraic at weak singularities.
 
     Parameters
     ----------
@@ -110,8 +117,10 @@ def kronrod_error(difference: float, scale: float) -> float:
         Absolute difference of the two sums.
     scale
         Size of the integral (its absolute value or more).
+    least_gain
+        Smallest share of the difference that is returned; 1 for the difference itself.
     """
     if difference == 0.0 or scale <= 0.0:
         return difference
-    gain = 20.0 * (difference / scale) ** 0.5
-    return difference * min(1.0, max(0.1, gain))
+    gain = 20.0 * math.sqrt(difference / scale)
+    return difference * min(1.0, max(least_gain, gain))

@@ -22,7 +22,11 @@ import numpy.typing as npt
 from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.base import FloatArray
 from fivebar_atlas.mechanisms.five_bar.isotropy import MAX_ISOTROPIC
-from fivebar_atlas.mechanisms.five_bar.jacobian import conditioning_ratio, conditioning_slope, lci
+from fivebar_atlas.mechanisms.five_bar.jacobian import (
+    conditioning_ratio,
+    conditioning_with_slope,
+    lci,
+)
 from fivebar_atlas.mechanisms.five_bar.rays import (
     ACROSS_NODES,
     ACROSS_ORDER,
@@ -58,6 +62,12 @@ LEAST_PANEL = 1e-9
 MAX_LEVEL_CUTS = 32
 #: Angle to which a level change is located.
 ANGLE_TOLERANCE = 1e-14
+#: Least shares of Kronrod minus Gauss that count as error: along rays; across rays, of
+#: ∫ LCI dW; and of integrals over good-condition workspaces, whose level curves may turn
+#: close to a panel's end.
+ALONG_GAIN = 0.1
+LCI_GAIN = 0.1
+LEVEL_GAIN = 1.0
 #: Panels whose whole area is below this share of the tolerance are bounded, not integrated.
 NEGLIGIBLE_SHARE = 1e-4
 
@@ -237,7 +247,7 @@ def _integrate_ray(
         kronrod, embedded = _piece(
             r1, r2, r3, c, s, start, end, s1, s2, count, nodes, weights, gauss
         )
-        error = kronrod_error(abs(kronrod - embedded), abs(kronrod))
+        error = kronrod_error(abs(kronrod - embedded), kronrod, ALONG_GAIN)
         p.row[0] += kronrod
         p.row_error[0] += error
         if thresholds > 0:
@@ -290,7 +300,8 @@ def _integrate_panel(
             p.along_error[m] += weights[row] * p.row_error[m]
     along = p.along_error[0] / (value[0] + 1e-300)
     for m in range(columns):
-        error = kronrod_error(abs(value[m] - gauss[m]), abs(value[m])) + p.along_error[m]
+        gain = LCI_GAIN if m == 0 else LEVEL_GAIN
+        error = kronrod_error(abs(value[m] - gauss[m]), value[m], gain) + p.along_error[m]
         p.error[panel, m] = (error + 1e-15 * abs(value[m])) * width
         value[m] *= width
     return along
@@ -706,7 +717,7 @@ def largest_lci(
         if q > p.best[0]:
             p.best[0], p.best[1], p.best[2] = q, phi, rho
         c, s = p.rays.c[row], p.rays.s[row]
-        f = conditioning_slope(r1, r2, r3, rho * c, rho * s, -s, c, s1, s2, assembly)
+        _, f = conditioning_with_slope(r1, r2, r3, rho * c, rho * s, -s, c, s1, s2, assembly)
         if step == 0:
             f1 = f
             continue

@@ -130,19 +130,18 @@ def conditioning_ratio(
 
 
 @inlined_kernel
-def conditioning_slope(
+def conditioning_with_slope(
     r1: float, r2: float, r3: float, x: float, y: float, dx: float, dy: float,
     s1: float, s2: float, assembly: float,
-) -> float:  # fmt: skip
-    """Return a positive multiple of the derivative of q in the direction (dx, dy).
+) -> tuple[float, float]:  # fmt: skip
+    """Return q and its derivative in the direction (dx, dy).
 
     q is the ratio of :func:`conditioning_ratio`. With W_i = (2 r1 r2 sin β_i)², the
     direction δ_i of the distal link and γ = δ2 - δ1,
 
-        q' ∝ ½ (W2 - W1)(W1' W2 - W2' W1) sin γ + W1 W2 (W1 + W2) cos γ γ',
+        q'/q = ½ (W2 - W1)(W1' W2 - W2' W1) / (W1 W2 (W1 + W2)) + cot γ γ',
 
-    where δ_i' = (arg(P - A_i))' + s_i (d_i² + r1² - r2²)(d_i²)' / (2 d_i² √W_i). All factors
-    are scaled to stay finite at serial singularities.
+    where δ_i' = (arg(P - A_i))' + s_i (d_i² + r1² - r2²)(d_i²)' / (2 d_i² √W_i).
 
     Parameters
     ----------
@@ -152,8 +151,13 @@ def conditioning_slope(
         Direction, a unit vector.
     s1, s2, assembly
         Working mode and assembly mode as ±1.
+
+    Returns
+    -------
+    tuple of float
+        q and q'; at serial singularities, where q' is infinite, some finite number.
     """
-    w1, w2, cross, dot, _ = distal_products(r1, r2, r3, x, y, s1, s2)
+    w1, w2, cross, dot, scale = distal_products(r1, r2, r3, x, y, s1, s2)
     u1 = x + r3
     u2 = x - r3
     y2 = y * y
@@ -170,7 +174,14 @@ def conditioning_slope(
     # w_i times the turning rate of distal link i
     turn_1 = (w1 * (u1 * dy - y * dx) + 0.5 * s1 * (reach2_1 + shift) * rate_1) / (reach2_1 + TINY)
     turn_2 = (w2 * (u2 * dy - y * dx) + 0.5 * s2 * (reach2_2 + shift) * rate_2) / (reach2_2 + TINY)
-    return assembly * (
+    # q' w1 w2 (W1 + W2)² scale / 2, in which nothing is divided by a sine
+    rise = assembly * (
         0.5 * (big2 - big1) * (big1_rate * big2 - big2_rate * big1) * cross
         + w1 * w2 * (big1 + big2) * dot * (w1 * turn_2 - w2 * turn_1)
+    )
+    both = w1 * w2
+    inverse = 1.0 / (scale * (big1 + big2) + TINY)
+    return (
+        2.0 * both * abs(cross) * inverse,
+        2.0 * rise * inverse / (both * (big1 + big2) + TINY),
     )

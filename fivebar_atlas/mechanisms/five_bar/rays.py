@@ -19,9 +19,12 @@ import numpy.typing as npt
 
 from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.base import FloatArray
-from fivebar_atlas.mechanisms.five_bar.jacobian import conditioning_ratio, conditioning_slope
+from fivebar_atlas.mechanisms.five_bar.jacobian import (
+    conditioning_ratio,
+    conditioning_with_slope,
+)
 from fivebar_atlas.mechanisms.five_bar.singularity import ORIGIN, radius_along
-from fivebar_atlas.numerics.quadrature import cluster
+from fivebar_atlas.numerics.quadrature import cluster, cluster_slope
 from fivebar_atlas.numerics.records import record_type
 from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
 
@@ -63,8 +66,8 @@ class Brackets(Protocol):
         Position v where the function is evaluated next.
     c, s, rho
         The same point in polar form.
-    value
-        Function value at the trial points.
+    q, value
+        q and the function value at the trial points.
     """
 
     row: IndexArray
@@ -78,6 +81,7 @@ class Brackets(Protocol):
     c: FloatArray
     s: FloatArray
     rho: FloatArray
+    q: FloatArray
     value: FloatArray
 
 
@@ -93,7 +97,7 @@ class Rays(Protocol):
     sample_v
         Positions where q and its slope are sampled, shape (SAMPLES,).
     sample_q, sample_slope
-        The samples, shape (ROWS, SAMPLES).
+        q and dq/dv there, shape (ROWS, SAMPLES).
     sample_c, sample_s, sample_rho
         Points of one ray's samples, shape (SAMPLES,).
     stationary_count
@@ -135,7 +139,7 @@ BRACKETS = record_type(
     *((name, np.int64, (_ROOM,)) for name in ("row", "kind", "slot")),
     *(
         (name, np.float64, (_ROOM,))
-        for name in ("x1", "f1", "x2", "f2", "trial", "c", "s", "rho", "value")
+        for name in ("x1", "f1", "x2", "f2", "trial", "c", "s", "rho", "q", "value")
     ),
 )
 RAYS = record_type(
@@ -188,14 +192,33 @@ def _ratios_at(
 
 @kernel
 def _slopes_at(
-    c: FloatArray, s: FloatArray, rho: FloatArray, out: FloatArray, count: int,
+    c: FloatArray, s: FloatArray, rho: FloatArray, q: FloatArray, slope: FloatArray, count: int,
     r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
 ) -> None:  # fmt: skip
-    """Evaluate a multiple > 0 of dq/dρ at ``count`` points, in whole SIMD registers."""
+    """Evaluate q and dq/dρ at ``count`` points, in whole SIMD registers."""
     for k in range((count + LANES - 1) // LANES * LANES):
-        out[k] = conditioning_slope(
+        q[k], slope[k] = conditioning_with_slope(
             r1, r2, r3, rho[k] * c[k], rho[k] * s[k], c[k], s[k], s1, s2, assembly
         )
+
+
+@kernel
+def _hidden_turn(v0: float, q0: float, g0: float, v1: float, q1: float, g1: float) -> float:
+    """Return where q may turn twice between two samples with slopes of one sign, or NaN.
+
+    The slope of the cubic through both values and slopes is a parabola; where it comes
+    below a quarter of the lesser end slope, its lowest place is returned.
+    """
+    h = v1 - v0
+    sign = 1.0 if g0 > 0.0 else -1.0
+    g0, g1, rise = sign * g0, sign * g1, sign * (q1 - q0) / h
+    bend = 3.0 * (g0 + g1 - 2.0 * rise)
+    if bend <= 0.0:
+        return math.nan
+    t = (2.0 * g0 + g1 - 3.0 * rise) / bend
+    if not 0.0 < t < 1.0 or g0 - bend * t * t > 0.25 * min(g0, g1):
+        return math.nan
+    return v0 + t * h
 
 
 @kernel
@@ -254,50 +277,65 @@ def find_stationary_points(
 ) -> None:  # fmt: skip
     """Find the stationary points of q on the rays of rows first ... last - 1.
 
-    q and its analytic slope are sampled along each ray; every change of the slope's sign is
-    narrowed to a point.
+    q and its slope are sampled along each ray; every change of the slope's sign is narrowed
+    to a point. Where two may hide between samples, one more sample decides.
     """
     b = rays.brackets
     count = 0
     for row in range(first, last):
+        length = rays.length[row]
         for j in range(SAMPLES):
             rays.sample_c[j] = rays.c[row]
             rays.sample_s[j] = rays.s[row]
-            rays.sample_rho[j] = rays.low[row] + rays.length[row] * cluster(rays.sample_v[j])
+            rays.sample_rho[j] = rays.low[row] + length * cluster(rays.sample_v[j])
         slope, q = rays.sample_slope[row], rays.sample_q[row]
         _slopes_at(
-            rays.sample_c, rays.sample_s, rays.sample_rho, slope, SAMPLES,
+            rays.sample_c, rays.sample_s, rays.sample_rho, q, slope, SAMPLES,
             r1, r2, r3, s1, s2, assembly,
         )  # fmt: skip
-        _ratios_at(
-            rays.sample_c, rays.sample_s, rays.sample_rho, q, SAMPLES, r1, r2, r3, s1, s2
-        )
+        for j in range(SAMPLES):  # dq/dv
+            slope[j] *= length * cluster_slope(rays.sample_v[j])
         found = 0
         for j in range(SAMPLES - 1):
-            if (slope[j] > 0.0) != (slope[j + 1] > 0.0) and found < MAX_STATIONARY:
+            if found > MAX_STATIONARY - 2:
+                break
+            v0, v1 = rays.sample_v[j], rays.sample_v[j + 1]
+            if (slope[j] > 0.0) != (slope[j + 1] > 0.0):
                 rays.stationary_sample[row, found] = j
-                count = _open_bracket(
-                    b, count, row, 0, found,
-                    rays.sample_v[j], slope[j], rays.sample_v[j + 1], slope[j + 1],
-                )  # fmt: skip
+                count = _open_bracket(b, count, row, 0, found, v0, slope[j], v1, slope[j + 1])
                 found += 1
+                continue
+            v = _hidden_turn(v0, q[j], slope[j], v1, q[j + 1], slope[j + 1])
+            if math.isnan(v):
+                continue
+            rho = rays.low[row] + length * cluster(v)
+            _, g = conditioning_with_slope(
+                r1, r2, r3, rho * rays.c[row], rho * rays.s[row], rays.c[row], rays.s[row],
+                s1, s2, assembly,
+            )  # fmt: skip
+            if (g > 0.0) != (slope[j] > 0.0):
+                g *= length * cluster_slope(v)
+                rays.stationary_sample[row, found] = j
+                rays.stationary_sample[row, found + 1] = j
+                count = _open_bracket(b, count, row, 0, found, v0, slope[j], v, g)
+                count = _open_bracket(b, count, row, 0, found + 1, v, g, v1, slope[j + 1])
+                found += 2
         rays.stationary_count[row] = found
     for _ in range(MAX_STEPS):
         if count == 0:
             break
         _place_trials(rays, count)
-        _slopes_at(b.c, b.s, b.rho, b.value, count, r1, r2, r3, s1, s2, assembly)
+        _slopes_at(b.c, b.s, b.rho, b.q, b.value, count, r1, r2, r3, s1, s2, assembly)
         kept = 0
         for k in range(count):
-            share = _narrow(b, k, b.value[k], STATIONARY_TOLERANCE)
+            row, v = b.row[k], b.trial[k]
+            f = b.value[k] * rays.length[row] * cluster_slope(v)
+            share = _narrow(b, k, f, STATIONARY_TOLERANCE)
             if share == FOUND:
-                rho = b.rho[k]
-                rays.stationary_v[b.row[k], b.slot[k]] = b.x1[k]
-                rays.stationary_q[b.row[k], b.slot[k]] = conditioning_ratio(
-                    r1, r2, r3, rho * b.c[k], rho * b.s[k], s1, s2
-                )
+                rays.stationary_v[row, b.slot[k]] = v
+                rays.stationary_q[row, b.slot[k]] = b.q[k]
             else:
-                kept = _keep(b, k, kept, b.x1[k] + share * (b.x2[k] - b.x1[k]))
+                kept = _keep(b, k, kept, v + share * (b.x2[k] - v))
         count = kept
 
 

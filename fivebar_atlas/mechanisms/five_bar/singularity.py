@@ -28,6 +28,7 @@ import math
 
 from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.five_bar.jacobian import distal_products
 from fivebar_atlas.numerics.arcs import circle_discriminant, circle_radius, circle_swept_area
 
 # Curves, in an order that the functions below rely on.
@@ -50,6 +51,12 @@ CURVES = 13
 MAX_CRITICAL = 48
 #: Critical angles closer than this are one: nothing fits between them.
 LEAST_SECTOR = 1e-12
+
+# Bits of a point's kind of singularity (Liu et al. 2006, Sec. 4).
+SERIAL_LEG_1 = 1  #: leg 1 stretched or folded, A11 = 0 (first kind)
+SERIAL_LEG_2 = 2  #: leg 2 stretched or folded, A22 = 0 (first kind)
+PARALLEL_FOLDED = 4  #: B1 and B2 coincide, B P B folded (second kind)
+PARALLEL_EXTENDED = 8  #: B1, P, B2 in line with P between (second kind)
 
 
 @kernel
@@ -167,14 +174,15 @@ def belongs_to_mode(
 def coupler_antiderivative(
     r1: float, r2: float, r3: float, branch: float, phi: float, c: float, s: float
 ) -> float:
-    """Return an antiderivative in φ of ρ²/2 along a branch of C_col (elementary)."""
+    """Return an antiderivative in φ of ρ²/2 along a branch of C_col (elementary).
+
+    The angle with sine r3 cos φ / r2 is formed from the same root as the rest, so that
+    rounding cancels where the curve turns back (root → 0).
+    """
     root = math.sqrt(max(coupler_root(r2, r3, c), 0.0))
-    z = min(max(r3 * c / r2, -1.0), 1.0)
-    # asin(z)/z, by its series where r3 → 0
-    ratio = 1.0 + z * z / 6.0 if abs(z) < 1e-4 else math.asin(z) / z
-    wave = 0.5 * c * (root + r2 * ratio)
+    wave = 0.5 * (r3 * c * root + r2 * r2 * math.atan2(r3 * c, root))
     even = ((r1 - r2) * (r1 + r2) - r3 * r3) * phi + r3 * r3 * (phi + s * c)
-    return 0.5 * even - branch * r3 * wave
+    return 0.5 * even - branch * wave
 
 
 @kernel
@@ -294,3 +302,56 @@ def critical_angles(
             kept += 1
     angles[kept - 1] = greatest
     return kept
+
+
+@kernel
+def singularity_kind(
+    r1: float, r2: float, r3: float, x: float, y: float, s1: float, s2: float, tolerance: float
+) -> int:
+    """Return the kinds of singularity of a reachable point in a working mode, as bits.
+
+    Serial bits with a parallel one are a singularity of the third kind.
+
+    Parameters
+    ----------
+    r1, r2, r3, x, y, s1, s2
+        Design, point and working mode.
+    tolerance
+        Largest |sin β_i| and |sin γ| that count as zero.
+    """
+    w1, w2, cross, dot, scale = distal_products(r1, r2, r3, x, y, s1, s2)
+    kind = 0
+    if w1 <= tolerance * 2.0 * r1 * r2:
+        kind |= SERIAL_LEG_1
+    if w2 <= tolerance * 2.0 * r1 * r2:
+        kind |= SERIAL_LEG_2
+    if abs(cross) <= tolerance * scale:
+        kind |= PARALLEL_FOLDED if dot > 0.0 else PARALLEL_EXTENDED
+    return kind
+
+
+def change_point_cases(r1: float, r2: float, r3: float) -> str:
+    """Return which conditions of the third kind of singularity a design fulfils.
+
+    Parameters
+    ----------
+    r1, r2, r3
+        Lengths in any one unit.
+
+    Returns
+    -------
+    str
+        Letters of Liu et al. 2006, Sec. 4: (a) r1 = r3, (b) r2 = r3, (c) r3 = r1 + r2,
+        (d) r2 = r1 + r3, (e) r1 = r3 + r2, (f) r3 = 0, to 1e-12 relative; designs with one
+        of (a) to (e) are change-point manipulators.
+    """
+    slack = 1e-12 * (r1 + r2 + r3)
+    gaps = {
+        "a": r1 - r3,
+        "b": r2 - r3,
+        "c": r3 - r1 - r2,
+        "d": r2 - r1 - r3,
+        "e": r1 - r3 - r2,
+        "f": r3,
+    }
+    return "".join(letter for letter, gap in gaps.items() if abs(gap) <= slack)
