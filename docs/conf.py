@@ -47,6 +47,14 @@ def generate(_app: Sphinx) -> None:
     make_validation.make(generated / "validation.md")
 
 
+def escape_bars(
+    _app: Sphinx, _what: str, _name: str, _object: object, _options: object, lines: list[str]
+) -> None:
+    """Keep reStructuredText from taking |x|, an absolute value, for a substitution."""
+    lines[:] = [line.replace("|", "\\|") for line in lines]
+
+
 def setup(app: Sphinx) -> None:
     """Generate before the sources are read."""
     app.connect("builder-inited", generate)
+    app.connect("autodoc-process-docstring", escape_bars)

@@ -32,7 +32,7 @@ def make(page: Path) -> None:
     """
     page.parent.mkdir(parents=True, exist_ok=True)
     lines = ["| what | where | printed | ours | verdict |", "|---|---|---|---|---|"]
-    notes = []
+    notes: dict[str, list[str]] = {}
     for value in load():
         ours = value.compute()
         lines.append(
@@ -41,11 +41,14 @@ def make(page: Path) -> None:
             f"| {_VERDICTS[value.verdict]} |"
         )
         if value.explanation:
-            notes.append(f"- *{value.says}*: {value.explanation}")
-    page.write_text("\n".join([*lines, "", "Remarks:", "", *notes, ""]), encoding="utf-8")
+            notes.setdefault(value.explanation, []).append(value.says)
+    remarks = [f"- *{'; '.join(rows)}*: {text}" for text, rows in notes.items()]
+    page.write_text("\n".join([*lines, "", "Remarks:", "", *remarks, ""]), encoding="utf-8")
 
 
 def _printed(value: PublishedValue) -> str:
+    if value.claim is not None:
+        return value.claim
     if isinstance(value.printed, str):
         return value.printed
     return " to ".join(value.printed)

@@ -44,7 +44,10 @@ class PublishedValue:
     says
         What it is the value of.
     printed
-        The digits as printed, or the two ends of a printed range.
+        The digits as printed, the two ends of a printed range, or of the range in which a
+        claim holds.
+    claim
+        What the paper says in words, None where it prints a number.
     verdict
         What becomes of it: one of the three verdicts.
     explanation
@@ -61,6 +64,7 @@ class PublishedValue:
     where: str
     says: str
     printed: str | list[str]
+    claim: str | None
     verdict: str
     explanation: str
     exact: str | None
@@ -95,7 +99,8 @@ def load() -> list[PublishedValue]:
                 identity=entry["id"],
                 where=entry["where"],
                 says=entry["says"],
-                printed=entry["printed"],
+                printed=entry.get("printed") or entry["holds_between"],
+                claim=entry.get("claim"),
                 verdict=entry["verdict"],
                 explanation=entry["explanation"],
                 exact=entry.get("exact"),
@@ -160,12 +165,6 @@ def _place_of_largest(*, place_of_largest: str, length: str, resolution: int, mo
     return float(designs[np.nanargmax(results[place_of_largest]), _LENGTHS.index(length)])
 
 
-def _largest_gain_off_edge(*, largest_gain_off_edge: str, resolution: int, mode: str) -> float:
-    designs, results = _lattice(resolution, mode)
-    values = results[largest_gain_off_edge]
-    return float(np.nanmax(values) - np.nanmax(values[designs[:, 2] == 0.0]))
-
-
 def _region_bound(
     *, region_bound: str, length: str, area: float, gci: float, resolution: int, mode: str
 ) -> float:
@@ -208,7 +207,6 @@ _COMPUTATIONS: dict[str, Callable[..., float]] = {
     "lci_radius": _lci_radius,
     "largest_over_lattice": _largest_over_lattice,
     "place_of_largest": _place_of_largest,
-    "largest_gain_off_edge": _largest_gain_off_edge,
     "region_bound": _region_bound,
     "sizing": _sizing,
     "machine": _machine,

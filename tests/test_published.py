@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from decimal import Decimal
 
+import numpy as np
 import pytest
 from published_values import (
     LAST_DIGIT_DIFFERS,
@@ -13,6 +14,8 @@ from published_values import (
     PublishedValue,
     load,
 )
+
+from fivebar_atlas import FiveBar
 
 VALUES = load()
 
@@ -47,7 +50,7 @@ def test_what_is_not_reproduced_is_explained() -> None:
 def test_verdicts_are_what_they_are_called(
     printed: str | list[str], ours: float, verdict: str
 ) -> None:
-    value = PublishedValue("", "", "", printed, verdict, "", None, {}, "+-/up")
+    value = PublishedValue("", "", "", printed, None, verdict, "", None, {}, "+-/up")
     assert value.judge(ours) == verdict
 
 
@@ -70,3 +73,39 @@ def test_a_lower_bound_of_the_gci_gives_a_region_like_the_printed_one() -> None:
                 template, computation={**template.computation, **changed}
             ).compute()
             assert value == pytest.approx(edge, abs=1e-9)
+
+
+def test_the_best_gci_is_off_the_edge() -> None:
+    claim = next(value for value in VALUES if value.identity == "place_of_the_best_gci")
+    best = dataclasses.replace(
+        claim, computation={"largest_over_lattice": "gci", "resolution": 300}
+    ).compute()
+    edge = max(
+        FiveBar(1.28 + 1e-3 * k, 1.72 - 1e-3 * k, 0.0).evaluate("+-/up", [])["gci"]
+        for k in range(-10, 30)
+    )
+    assert best == pytest.approx(0.6741, abs=5e-5)
+    assert edge == pytest.approx(0.6712, abs=5e-5)
+
+
+def test_corrected_coupler_curve_is_singular() -> None:
+    """Eq. 27 with its second "a =" read as "c =", on the design of Fig. 3."""
+    r1, r2, r3 = 1.2, 1.0, 0.8
+    cosine = np.cos(theta1 := np.linspace(0.1, 6.2, 200))
+    shared = 4 * r2**2 + 4 * r1 * r3 * cosine - 4 * r3**2 - 2 * r1**2
+    a = shared + 4 * r1 * r3 - 2 * r1**2 * cosine
+    b = 4 * r1**2 * np.sin(theta1)
+    c = shared - 4 * r1 * r3 + 2 * r1**2 * cosine
+    possible = b**2 >= 4 * a * c
+    assert possible.any()
+    a, b, c, theta1 = a[possible], b[possible], c[possible], theta1[possible]
+    manipulator = FiveBar(r1, r2, r3)
+    for root in (1.0, -1.0):
+        theta2 = 2 * np.arctan((-b + root * np.sqrt(b**2 - 4 * a * c)) / (2 * a))
+        x = r1 * (np.cos(theta2) + np.cos(theta1)) / 2
+        y = r1 * (np.sin(theta2) + np.sin(theta1)) / 2
+        stretched = [
+            manipulator.singularity(x, y, mode, tolerance=1e-6) & 8
+            for mode in ("++", "+-", "-+", "--")
+        ]
+        assert np.all(np.any(stretched, axis=0))
