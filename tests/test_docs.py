@@ -262,6 +262,19 @@ def test_format_describes_every_attribute(small_atlas: Path) -> None:
     assert used == described
 
 
+def test_algorithm_page_gives_the_constants_of_the_program() -> None:
+    from fivebar_atlas.mechanisms.five_bar import indices
+
+    text = " ".join((DOCS / "algorithm.md").read_text(encoding="utf-8").split())
+    orders = indices.ALONG_ORDERS
+    assert f"Of {len(orders)} Gauss–Kronrod pairs, with {orders[0]} to {orders[-1]} Gauss" in text
+    assert f"a pair with {indices.ACROSS_ORDER} Gauss nodes runs across each" in text
+    assert f"within {indices.MAX_PANELS} panels" in text
+    assert indices.ALONG_GAIN == indices.LCI_GAIN
+    assert f"with $g = {indices.ALONG_GAIN:g}$ along rays" in text
+    assert f"and $g = {indices.LEVEL_GAIN:g}$" in text
+
+
 def test_configuration_page_lists_every_key_and_its_default(tmp_path: Path) -> None:
     page = DOCS / "configuration.md"
     rows = table_rows(page, "# Configuration")
