@@ -318,9 +318,11 @@ def _counter_clockwise(points: FloatArray, triangles: IntArray) -> IntArray:
 
 def _sides(triangles: IntArray) -> tuple[IntArray, IntArray]:
     """Return all sides, shape (s, 2), and the side after each corner, shape (m, 3)."""
-    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2)
-    unique, inverse = np.unique(np.sort(ends.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
-    return unique, inverse.reshape(triangles.shape)
+    following = np.roll(triangles, -1, axis=1)
+    low, high = np.minimum(triangles, following), np.maximum(triangles, following)
+    base = int(triangles.max(initial=0)) + 1
+    keys, inverse = np.unique((low * base + high).ravel(), return_inverse=True)
+    return np.column_stack([keys // base, keys % base]), inverse.reshape(triangles.shape)
 
 
 def _outline(coordinates: FloatArray, cycles: Iterable[IntArray]) -> tuple[FloatArray, ...]:

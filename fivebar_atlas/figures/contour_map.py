@@ -157,11 +157,13 @@ def draw_levels(
     colour: str = style.INK,
     width: float = style.LEVEL_WIDTH,
     dashes: str | tuple[float, tuple[float, ...]] = "solid",
+    clear: Sequence[FloatArray] = (),
 ) -> None:
     """Draw the lines at levels and write the level on each where there is room.
 
     The lines at the ends of the range of values are left out: on a plateau they would
-    only trace rounding errors. The name becomes the ``gid`` of the lines.
+    only trace rounding errors. The name becomes the ``gid`` of the lines. Labels keep off
+    the borders of sub-regions and the closed loops ``clear`` where they can.
     """
     shown = values[np.unique(designs.triangles[~absent])]
     slack = 1e-6 * (levels[-1] - levels[0])
@@ -181,7 +183,8 @@ def draw_levels(
         [np.asarray(line) * frame.scale for line in path.to_polygons(closed_only=False)]
         for path in contours.get_paths()
     ]
-    borders = [_along(border * frame.scale) for border in frame.chart.borders]
+    loops = [np.vstack([loop, loop[:1]]) for loop in clear]
+    borders = [_along(line * frame.scale) for line in (*frame.chart.borders, *loops)]
     for index, level in enumerate(drawn):
         text = level_text(level, levels)
         others = [_along(line) for at, some in enumerate(lines) if at != index for line in some]

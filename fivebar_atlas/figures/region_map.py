@@ -135,7 +135,7 @@ def region_map(
             strong = style.colour_map()(np.linspace(0.0, 1.0, len(levels) - 1))
             colours = [style.mixed_with_white(colour, _PALE) for colour in strong]
             fill_between_levels(frame, designs, filled.values, absent, levels, colours)
-            draw_levels(frame, designs, filled.values, absent, levels)
+            draw_levels(frame, designs, filled.values, absent, levels, clear=region.loops)
             ticks = [level_text(level, levels) for level in levels]
             used = draw_bar(frame, colours, ticks, filled.label)
         if len(line_levels):
@@ -149,6 +149,7 @@ def region_map(
                 colour=_LINES,
                 width=0.6,
                 dashes=_DASHES,
+                clear=region.loops,
             )
         draw_key(frame, key, used)
         draw_sub_regions(frame)

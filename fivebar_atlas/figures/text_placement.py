@@ -261,7 +261,7 @@ def _candidates(
         off_centre = abs(middle - length / 2) / length
         steep = abs(angle) / 90.0
         bend = 1.0 - chord / width
-        cost = 0.15 * covered + 0.6 * shunned + 1.0 * off_centre + 0.6 * steep + 20.0 * bend
+        cost = 0.15 * covered + 1.5 * shunned + 1.0 * off_centre + 0.6 * steep + 20.0 * bend
         yield _Candidate(box, cost)
 
 
