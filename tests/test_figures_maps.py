@@ -30,7 +30,7 @@ from fivebar_atlas.figures.atlas_figures import (
     quantity_figure,
     region_figure,
 )
-from fivebar_atlas.figures.category_map import magnitude_map
+from fivebar_atlas.figures.category_map import category_map, magnitude_map
 from fivebar_atlas.figures.charted_designs import ChartedDesigns
 from fivebar_atlas.figures.contour_map import contour_map
 from fivebar_atlas.figures.design_space import (
@@ -38,6 +38,7 @@ from fivebar_atlas.figures.design_space import (
     design_space_figure,
     region_loops,
 )
+from fivebar_atlas.mechanisms.base import DesignChart, Flags
 from fivebar_atlas.store import Atlas, open_atlas
 from fivebar_atlas.synthesis.conditions import parse_condition
 from fivebar_atlas.synthesis.optimum_region import optimum_region
@@ -505,3 +506,23 @@ def test_pictures_are_as_wide_as_asked_for(atlas: Atlas, tmp_path: Path) -> None
     save_figure(quantity_figure(atlas, "gci", FIRST), tmp_path / "gci.png")
     with Image.open(tmp_path / "gci.png") as picture:
         assert picture.width == int(85 / 25.4 * 300)
+
+
+def test_a_chart_without_axes_borders_and_names_is_enough() -> None:
+    """Draw for a mechanism that declares the least there can be."""
+    chart = DesignChart(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), (), (), ())
+    designs = ChartedDesigns(
+        parameters=chart.outline, points=chart.outline, triangles=np.array([[0, 1, 2]]), chart=chart
+    )
+
+    figure = contour_map(designs, np.array([0.0, 1.0, 2.0]), "Two links", "span")
+
+    assert sum(drawn_area(path) for path in artist(figure, "bands").get_paths()) == pytest.approx(  # type: ignore[attr-defined]
+        0.5
+    )
+    for other in (
+        category_map(designs, np.array([0, 1, 1]), Flags((0, 1), ("left", "right")), "Side"),
+        magnitude_map(designs, np.array([1e-9, 1e-8, 0.0]), "Error", "error"),
+        design_space_figure(chart, "Design space"),
+    ):
+        assert len(drawn(other)) > 1000

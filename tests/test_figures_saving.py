@@ -42,7 +42,7 @@ with open_atlas({path!r}) as atlas:
     figures.append(design_space_figure(chart, "Design space"))
 for figure in figures:
     for form in FORMATS:
-        print(form, hashlib.sha256(rendered(figure, form)).hexdigest())
+        print(form, hashlib.sha256(rendered(figure, form, 60.0)).hexdigest())
 """
 
 
