@@ -84,6 +84,11 @@ $(OUT)/%-$(1).$(FORMAT): $(OUT)/%.h5 | $(ATLAS)
 endef
 $(foreach figure,$(FIGURES),$(eval $(call picture,$(figure))))
 
+.PHONY: picture
+picture: $(OUT)/paper.h5 ## Redraw the picture of the README
+	@mkdir -p docs/images
+	$(ATLAS) plot area $< -o docs/images/area.png --overwrite
+
 .PHONY: clean
 clean: ## Remove what was built, but neither the environment nor results
 	rm -rf build dist docs/_build docs/_generated .coverage .pytest_cache .mypy_cache .ruff_cache
