@@ -46,7 +46,8 @@ class Executor(ABC):
         ------
         Exception
             Whatever the function raises. Tasks that have not been started by then, or
-            when the iterator is closed or interrupted, are dropped.
+            when the iterator is closed or interrupted, are dropped; nobody waits for
+            those at work, and nobody gets their results.
         """
 
 
@@ -80,8 +81,8 @@ class ThreadExecutor(Executor):
                 for future in finished:
                     yield running.pop(future), future.result()
         finally:
-            # Threads cannot be stopped: those at work finish their block first.
-            pool.shutdown(wait=True, cancel_futures=True)
+            # A thread cannot be stopped: one at work goes on to the end of its task.
+            pool.shutdown(wait=False, cancel_futures=True)
 
 
 def usable_cores() -> int:

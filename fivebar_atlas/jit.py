@@ -96,8 +96,16 @@ def kernel(function: Kernel) -> Kernel:
     -------
     Kernel
         The compiled dispatcher, or the function itself where ``NUMBA_DISABLE_JIT`` is set.
+
+    Notes
+    -----
+    Kernels are inlined into the kernels that call them. One that is not exists twice, as
+    compiled on its own and as optimised again inside its caller, and the two differ in the
+    last digits; which of them is called depends on whether the process has compiled the
+    caller or loaded it from the cache, and on what else it has loaded. Inlined, the same
+    sources give the same results, bit for bit, in every process.
     """
-    return _compile(function)
+    return _compile(function, forceinline=True)
 
 
 def inlined_kernel(function: Kernel) -> Kernel:

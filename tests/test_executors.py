@@ -83,11 +83,31 @@ def test_an_interrupt_drops_what_has_not_started() -> None:
         for _ in ThreadExecutor(2).run(work, range(1000)):
             raise KeyboardInterrupt
 
-    before = threading.active_count()
+    before = set(threading.enumerate())
     with pytest.raises(KeyboardInterrupt):
         interrupted()
+    for thread in set(threading.enumerate()) - before:
+        thread.join(30)
+        assert not thread.is_alive()
     assert len(started) < 20
-    assert threading.active_count() == before
+
+
+def test_an_interrupt_waits_for_nobody() -> None:
+    go = threading.Event()
+
+    def interrupted() -> None:
+        for task, _ in ThreadExecutor(2).run(lambda task: task == 0 or go.wait(60), range(9)):
+            assert task == 0
+            raise KeyboardInterrupt
+
+    before = set(threading.enumerate())
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert not go.is_set()
+    go.set()
+    for thread in set(threading.enumerate()) - before:
+        thread.join(30)
+        assert not thread.is_alive()
 
 
 def test_default_is_one_thread_a_core() -> None:

@@ -61,7 +61,14 @@ class AtlasGroup(click.Group):
         if not standalone:
             return run()
         with _terminate_as_interrupt():
-            sys.exit(_exit_code(run))
+            code = _exit_code(run)
+            if code == _INTERRUPTED and threading.active_count() > 1:
+                # Threads at work on a block, or on compiling, cannot be stopped and would
+                # be waited for; what they would finish is not wanted any more.
+                sys.stdout.flush()
+                sys.stderr.flush()
+                os._exit(code)
+            sys.exit(code)
 
 
 def _exit_code(run: Callable[[], Any]) -> int:
