@@ -63,7 +63,6 @@ _SETTINGS: dict[str, Any] = {
     "pdf.compression": 6,
     "svg.fonttype": "path",
     "svg.hashsalt": "fivebar-atlas",
-    "svg.id": None,
 }
 
 
