@@ -1,4 +1,8 @@
-"""``atlas plot``: figures of a result file, one sub-command for each kind."""
+"""``atlas plot``: figures, one sub-command for each kind.
+
+The group's commands are the registry of kinds: a new kind is a function here that opens
+what it shows, calls one function of ``figures`` and saves what that returns.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +36,7 @@ class _Kinds(click.Group):
         return super().resolve_command(ctx, args)
 
 
-@click.group(cls=_Kinds, short_help="Draw a figure: PNG, PDF or SVG.")
+@click.group(cls=_Kinds, subcommand_metavar="KIND [ARGS]...")
 def plot() -> None:
     """Draw a figure as PNG, PDF or SVG, by the ending of the file name.
 
@@ -143,7 +147,7 @@ def _draw_quantity(
     save_figure(figure, output, overwrite)
 
 
-@plot.command("quantity")
+@plot.command("quantity", short_help="Draw any stored quantity.")
 @click.argument("name")
 @file_options
 @figure_options
