@@ -66,24 +66,6 @@ def cache_folder() -> Path | None:
     return folder
 
 
-def _compile(function: Kernel, **options: Any) -> Kernel:
-    """Compile a function with the flags of all kernels and the cache folder keyed above."""
-    folder = cache_folder()
-    previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(folder) if folder else previous
-    try:
-        compiled = numba.njit(
-            cache=folder is not None,
-            nogil=True,
-            error_model="numpy",
-            fastmath=set(FASTMATH),
-            **options,
-        )(function)
-    finally:
-        numba.config.CACHE_DIR = previous
-    return cast(Kernel, compiled)
-
-
 def kernel(function: Kernel) -> Kernel:
     """Compile a kernel: no exceptions from arithmetic, no GIL, cached between processes.
 
@@ -99,15 +81,23 @@ def kernel(function: Kernel) -> Kernel:
 
     Notes
     -----
-    Kernels are inlined into the kernels that call them. One that is not exists twice, as
+    Kernels are inlined into the kernels that call them, whose loops can then vectorise. One that is not exists twice, as
     compiled on its own and as optimised again inside its caller, and the two differ in the
     last digits; which of them is called depends on whether the process has compiled the
     caller or loaded it from the cache, and on what else it has loaded. Inlined, the same
     sources give the same results, bit for bit, in every process.
     """
-    return _compile(function, forceinline=True)
-
-
-def inlined_kernel(function: Kernel) -> Kernel:
-    """Compile a kernel that is always inlined: a loop that calls it can then vectorise."""
-    return _compile(function, forceinline=True)
+    folder = cache_folder()
+    previous = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder) if folder else previous
+    try:
+        compiled = numba.njit(
+            cache=folder is not None,
+            nogil=True,
+            forceinline=True,
+            error_model="numpy",
+            fastmath=set(FASTMATH),
+        )(function)
+    finally:
+        numba.config.CACHE_DIR = previous
+    return cast(Kernel, compiled)

@@ -30,6 +30,7 @@ from fivebar_atlas.mechanisms.five_bar.inscribed_circle import (
 )
 from fivebar_atlas.mechanisms.five_bar.isotropy import isotropic_points
 from fivebar_atlas.mechanisms.five_bar.jacobian import threshold_ratio
+from fivebar_atlas.mechanisms.five_bar.rays import MAX_THRESHOLDS
 from fivebar_atlas.mechanisms.five_bar.workspace import (
     AREA_ROUNDING,
     DECOMPOSITION,
@@ -221,14 +222,19 @@ def evaluate_designs(
         workspace is empty; what does not exist is NaN, explained by ``status``.
     """
     designs = np.ascontiguousarray(designs, dtype=np.float64)
-    thresholds = len(lci_thresholds)
-    ratios = np.array([threshold_ratio(float(t)) for t in lci_thresholds])
     mapped = [canonical_class(*(int(v) for v in mode)) for mode in modes]
     classes = np.array(sorted({kind for kind, _, _ in mapped}), dtype=np.int64)
     theoretical = np.empty(len(designs))
-    rows = np.empty((len(designs), CLASSES, FIXED + 4 * thresholds))
     scratch = allocate_scratch()
-    evaluate_rows(scratch, designs, classes, ratios, tolerance, theoretical, rows)
+    # the kernels treat so many thresholds together; the rest take further passes
+    parts = []
+    for start in range(0, max(len(lci_thresholds), 1), MAX_THRESHOLDS):
+        part = lci_thresholds[start : start + MAX_THRESHOLDS]
+        ratios = np.array([threshold_ratio(float(t)) for t in part], dtype=np.float64)
+        rows = np.empty((len(designs), CLASSES, FIXED + 4 * len(part)))
+        evaluate_rows(scratch, designs, classes, ratios, tolerance, theoretical, rows)
+        parts.append(rows)
+    rows = np.concatenate([parts[0], *(part[:, :, FIXED:] for part in parts[1:])], axis=2)
 
     kinds = [kind for kind, _, _ in mapped]
     x_sign = np.array([-1.0 if mirror_x else 1.0 for _, mirror_x, _ in mapped])
@@ -240,7 +246,7 @@ def evaluate_designs(
     no_lower = (status & NO_LOWER_INSCRIBED_CIRCLE) != 0
     swapped = status & ~(NO_UPPER_INSCRIBED_CIRCLE | NO_LOWER_INSCRIBED_CIRCLE)
     swapped = swapped | no_lower * NO_UPPER_INSCRIBED_CIRCLE | no_upper * NO_LOWER_INSCRIBED_CIRCLE
-    good = picked[:, :, FIXED:].reshape(len(designs), len(mapped), thresholds, 4)
+    good = picked[:, :, FIXED:].reshape(len(designs), len(mapped), len(lci_thresholds), 4)
     return {
         "theoretical_workspace_area": theoretical,
         "theoretical_workspace_area_error": AREA_ROUNDING * np.maximum(theoretical, 1.0),

@@ -54,6 +54,11 @@ MAX_PANELS = 400
 ALONG_ORDERS = (7, 11, 15, 23, 31)
 #: Columns of integrals: LCI, then areas and LCI for each threshold.
 COLUMNS = 2 * MAX_THRESHOLDS + 1
+#: Stated errors are this many times the summed estimates.
+SAFETY = 2.0
+#: The integrals are refined at least to this tolerance: rougher panels may step over a
+#: turn of a level curve that none of their estimates sees.
+COARSEST = 1e-5
 #: Share of the tolerance that is left to errors along rays.
 ALONG_SHARE = 0.3
 #: A panel narrower than this is not cut at level changes any more.
@@ -637,6 +642,7 @@ def integrate_strips(
     bool
         Whether the tolerance was reached.
     """
+    tolerance = min(tolerance, COARSEST) / SAFETY
     negligible = NEGLIGIBLE_SHARE * tolerance * area
     floor = 1e-13 * area
     columns = 2 * len(ratios) + 1
@@ -649,10 +655,9 @@ def integrate_strips(
     )
     while True:
         _sum_panels(p, panels, columns)
-        if _excess(p, p.total_error, columns, tolerance, floor) <= 1.0:
-            return True
-        if panels >= MAX_PANELS - 4:
-            return False
+        reached = _excess(p, p.total_error, columns, tolerance, floor) <= 1.0
+        if reached or panels >= MAX_PANELS - 4:
+            break
         worst, worst_panel = 0.0, 0
         for k in range(panels):
             excess = _excess(p, p.error[k], columns, tolerance, floor)
@@ -661,7 +666,7 @@ def integrate_strips(
         start, end, strip = p.start[worst_panel], p.end[worst_panel], p.strip[worst_panel]
         middle = 0.5 * (start + end)
         if not start < middle < end:
-            return False
+            break
         panels -= 1  # the last panel takes the place of the one that is halved
         p.start[worst_panel] = p.start[panels]
         p.end[worst_panel] = p.end[panels]
@@ -673,6 +678,9 @@ def integrate_strips(
         panels = _settle(
             p, d, pending, panels, tolerance, negligible, ratios, r1, r2, r3, s1, s2, assembly
         )
+    for m in range(columns):
+        p.total_error[m] *= SAFETY
+    return reached
 
 
 @kernel

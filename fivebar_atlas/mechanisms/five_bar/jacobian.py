@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 
-from fivebar_atlas.jit import inlined_kernel, kernel
+from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.five_bar.kinematics import elbow, squared_four_areas
 
 #: Keeps 0/0 at twofold singular points at zero without touching any other value.
@@ -39,7 +39,7 @@ def matrices(
     return a11, a22, x - b1x, y - b1y, x - b2x, y - b2y
 
 
-@inlined_kernel
+@kernel
 def distal_products(
     r1: float, r2: float, r3: float, x: float, y: float, s1: float, s2: float
 ) -> tuple[float, float, float, float, float]:
@@ -89,7 +89,7 @@ def signed_det_b(
     return cross
 
 
-@inlined_kernel
+@kernel
 def lci(r1: float, r2: float, r3: float, x: float, y: float, s1: float, s2: float) -> float:
     """Return the local conditioning index σ_min/σ_max of J = A⁻¹B (Eq. 20, Sec. 8).
 
@@ -120,7 +120,7 @@ def threshold_ratio(lci_threshold: float) -> float:
     return 2.0 * lci_threshold / (1.0 + lci_threshold * lci_threshold)
 
 
-@inlined_kernel
+@kernel
 def conditioning_ratio(
     r1: float, r2: float, r3: float, x: float, y: float, s1: float, s2: float
 ) -> float:
@@ -129,7 +129,7 @@ def conditioning_ratio(
     return 2.0 * w1 * w2 * abs(cross) / (scale * (w1 * w1 + w2 * w2) + TINY)
 
 
-@inlined_kernel
+@kernel
 def conditioning_with_slope(
     r1: float, r2: float, r3: float, x: float, y: float, dx: float, dy: float,
     s1: float, s2: float, assembly: float,

@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import math
 
-from fivebar_atlas.jit import inlined_kernel, kernel
+from fivebar_atlas.jit import kernel
 
 
-@inlined_kernel
+@kernel
 def squared_four_areas(r1: float, r2: float, reach2: float) -> float:
     """Return (4 × area of the triangle A B P)² = (2 r1 r2 sin β)², from its sides.
 
