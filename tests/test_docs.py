@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import importlib
+import math
 import re
 import shlex
 import subprocess
@@ -270,6 +271,8 @@ def test_algorithm_page_gives_the_constants_of_the_program() -> None:
     assert f"Of {len(orders)} Gauss–Kronrod pairs, with {orders[0]} to {orders[-1]} Gauss" in text
     assert f"a pair with {indices.ACROSS_ORDER} Gauss nodes runs across each" in text
     assert f"within {indices.MAX_PANELS} panels" in text
+    assert f"is {indices.SAFETY:g} times the sum over all panels" in text
+    assert f"above $10^{{{math.log10(indices.COARSEST):g}}}$ is worked at" in text
     assert indices.ALONG_GAIN == indices.LCI_GAIN
     assert f"with $g = {indices.ALONG_GAIN:g}$ along rays" in text
     assert f"and $g = {indices.LEVEL_GAIN:g}$" in text
