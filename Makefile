@@ -58,7 +58,7 @@ test: $(VENV)/.extra-test ## Run the test suite
 .PHONY: test-nojit
 test-nojit: $(VENV)/.extra-test ## Run the kernels as plain Python on small inputs, with coverage
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m nojit --cov-report=term-missing \
-		--cov=fivebar_atlas.numerics --cov=fivebar_atlas.mechanisms.five_bar
+		--cov=fivebar_atlas/numerics --cov=fivebar_atlas/mechanisms
 
 .PHONY: bench
 bench: $(VENV)/.extra-bench ## Speed and accuracy, side by side with a plain NumPy grid
