@@ -49,7 +49,7 @@ from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
 IndexArray = npt.NDArray[np.int64]
 
 MAX_PANELS = 400
-#: Orders of the Gauss rules along a ray; a panel takes the lowest that meets the tolerance.
+#: Orders of the Gauss rules along a ray; a piece takes the lowest that meets the tolerance.
 #: With their Kronrod nodes and one more they fill whole SIMD registers.
 ALONG_ORDERS = (7, 11, 15, 23, 31)
 #: Columns of integrals: LCI, then areas and LCI for each threshold.
@@ -63,6 +63,8 @@ COARSEST = 1e-5
 ALONG_SHARE = 0.3
 #: A panel narrower than this is not cut at level changes any more.
 LEAST_PANEL = 1e-9
+#: A panel wider than this (radians) would nearly always be halved.
+WIDEST_PANEL = 1.0
 #: Most cuts of a panel made at once; its parts are looked at again.
 MAX_LEVEL_CUTS = 32
 #: Angle to which a level change is located.
@@ -103,6 +105,8 @@ class Panels(Protocol):
         Errors along the rays of one panel, shape (COLUMNS,).
     cuts
         Sorted cut positions of one ray, shape (cuts,).
+    piece_level
+        Level of the rule for each piece of a ray, shape (cuts,).
     level_cuts
         Angles at which to cut a panel, shape (MAX_LEVEL_CUTS,).
     isotropic
@@ -137,6 +141,7 @@ class Panels(Protocol):
     row_error: FloatArray
     along_error: FloatArray
     cuts: FloatArray
+    piece_level: IndexArray
     level_cuts: FloatArray
     isotropic: FloatArray
     saved_q: FloatArray
@@ -162,6 +167,7 @@ PANELS = record_type(
         for name in ("total", "total_error", "gauss", "row", "row_error", "along_error")
     ),
     ("cuts", np.float64, (MAX_STATIONARY + MAX_CROSSINGS * MAX_THRESHOLDS + 2,)),
+    ("piece_level", np.int64, (MAX_STATIONARY + MAX_CROSSINGS * MAX_THRESHOLDS + 2,)),
     ("level_cuts", np.float64, (MAX_LEVEL_CUTS,)),
     ("isotropic", np.float64, (MAX_ISOTROPIC, 2)),
     ("saved_q", np.float64, (2, MAX_STATIONARY)),
@@ -213,17 +219,11 @@ def _piece(
 
 
 @kernel
-def _integrate_ray(
-    p: Panels, row: int, level: int, ratios: FloatArray,
-    r1: float, r2: float, r3: float, s1: float, s2: float,
-) -> None:  # fmt: skip
-    """Integrate along one ray into ``p.row`` and ``p.row_error``."""
-    rays = p.rays
-    thresholds = len(ratios)
-    c, s, low, length = rays.c[row], rays.s[row], rays.low[row], rays.length[row]
-    cuts = p.cuts
-    n = 1
+def _cut_ray(p: Panels, row: int, thresholds: int) -> int:
+    """Put the ends of a ray's pieces into ``p.cuts``, sorted; return the number of pieces."""
+    rays, cuts = p.rays, p.cuts
     cuts[0] = 0.0
+    n = 1
     for j in range(rays.stationary_count[row]):
         cuts[n] = rays.stationary_v[row, j]
         n += 1
@@ -231,8 +231,6 @@ def _integrate_ray(
         for j in range(rays.crossing_count[row, kind]):
             cuts[n] = rays.crossing_v[row, kind, j]
             n += 1
-    cuts[n] = 1.0
-    n += 1
     for j in range(1, n):  # insertion sort of a few numbers
         v = cuts[j]
         k = j
@@ -240,22 +238,51 @@ def _integrate_ray(
             cuts[k] = cuts[k - 1]
             k -= 1
         cuts[k] = v
+    cuts[n] = 1.0
+    return n
+
+
+@kernel
+def _integrate_piece(
+    p: Panels, row: int, piece: int, level: int,
+    r1: float, r2: float, r3: float, s1: float, s2: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Return ∫ LCI ρ dρ over a piece of a ray and its error estimate, by a level's rule."""
+    rays = p.rays
+    start = rays.low[row] + rays.length[row] * cluster(p.cuts[piece])
+    end = rays.low[row] + rays.length[row] * cluster(p.cuts[piece + 1])
+    if end <= start:
+        return 0.0, 0.0
+    kronrod, gauss = _piece(
+        r1, r2, r3, rays.c[row], rays.s[row], start, end, s1, s2,
+        p.along_count[level], p.along_nodes[level], p.along_weights[level], p.along_gauss[level],
+    )  # fmt: skip
+    return kronrod, kronrod_error(abs(kronrod - gauss), kronrod, ALONG_GAIN)
+
+
+@kernel
+def _integrate_ray(
+    p: Panels, row: int, raised: int, ratios: FloatArray,
+    r1: float, r2: float, r3: float, s1: float, s2: float,
+) -> None:  # fmt: skip
+    """Integrate along one ray into ``p.row`` and ``p.row_error``.
+
+    Every piece takes the level of its number in ``p.piece_level``, ``raised`` by so much.
+    """
+    rays = p.rays
+    thresholds = len(ratios)
+    pieces = _cut_ray(p, row, thresholds)
+    c, s, low, length = rays.c[row], rays.s[row], rays.low[row], rays.length[row]
     p.row[:] = 0.0
     p.row_error[:] = 0.0
-    start = low
-    count = p.along_count[level]
-    nodes, weights, gauss = p.along_nodes[level], p.along_weights[level], p.along_gauss[level]
-    for j in range(1, n):
-        end = low + length * cluster(cuts[j])
-        if end <= start:
-            continue
-        kronrod, embedded = _piece(
-            r1, r2, r3, c, s, start, end, s1, s2, count, nodes, weights, gauss
-        )
-        error = kronrod_error(abs(kronrod - embedded), kronrod, ALONG_GAIN)
+    for piece in range(pieces):
+        level = min(p.piece_level[piece] + raised, len(ALONG_ORDERS) - 1)
+        kronrod, error = _integrate_piece(p, row, piece, level, r1, r2, r3, s1, s2)
         p.row[0] += kronrod
         p.row_error[0] += error
         if thresholds > 0:
+            start = low + length * cluster(p.cuts[piece])
+            end = low + length * cluster(p.cuts[piece + 1])
             middle = 0.5 * (start + end)
             q = conditioning_ratio(r1, r2, r3, middle * c, middle * s, s1, s2)
             for kind in range(thresholds):
@@ -263,32 +290,42 @@ def _integrate_ray(
                     p.row[1 + kind] += middle * (end - start)
                     p.row[1 + thresholds + kind] += kronrod
                     p.row_error[1 + thresholds + kind] += error
-        start = end
 
 
 @kernel
-def _level_for(
-    p: Panels, share: float, ratios: FloatArray,
+def _choose_levels(
+    p: Panels, share: float, thresholds: int,
     r1: float, r2: float, r3: float, s1: float, s2: float,
-) -> int:  # fmt: skip
-    """Return the level of the rule along rays that the middle ray of a panel needs."""
-    middle = ACROSS_NODES // 2
-    for level in range(len(ALONG_ORDERS) - 1):
-        _integrate_ray(p, middle, level, ratios, r1, r2, r3, s1, s2)
-        if p.row_error[0] <= share * p.row[0]:
-            return level
-    return len(ALONG_ORDERS) - 1
+) -> None:  # fmt: skip
+    """Set in ``p.piece_level`` the levels that the pieces of a panel's middle ray need.
+
+    The panels are cut so that their rays have, almost always, the same pieces.
+    """
+    row = ACROSS_NODES // 2
+    pieces = _cut_ray(p, row, thresholds)
+    total = 0.0
+    for piece in range(pieces):
+        total += _integrate_piece(p, row, piece, 0, r1, r2, r3, s1, s2)[0]
+    p.piece_level[:] = 0
+    for piece in range(pieces):
+        level = 0
+        while level < len(ALONG_ORDERS) - 1:
+            _, error = _integrate_piece(p, row, piece, level, r1, r2, r3, s1, s2)
+            if error * pieces <= share * total:
+                break
+            level += 1
+        p.piece_level[piece] = level
 
 
 @kernel
 def _integrate_panel(
-    p: Panels, panel: int, level: int, ratios: FloatArray,
+    p: Panels, panel: int, raised: int, ratios: FloatArray,
     r1: float, r2: float, r3: float, s1: float, s2: float,
 ) -> float:  # fmt: skip
     """Integrate over a panel whose rays are in ``p.rays``; set its value and error.
 
     Returns the share of the error of ∫ LCI dW that comes from along the rays, relative to
-    the integral: a higher level of the rule lowers it, halving the panel does not.
+    the integral: higher levels of the rules lower it, halving the panel does not.
     """
     columns = 2 * len(ratios) + 1
     width = p.end[panel] - p.start[panel]
@@ -298,7 +335,7 @@ def _integrate_panel(
     gauss[:] = 0.0
     p.along_error[:] = 0.0
     for row in range(ACROSS_NODES):
-        _integrate_ray(p, row, level, ratios, r1, r2, r3, s1, s2)
+        _integrate_ray(p, row, raised, ratios, r1, r2, r3, s1, s2)
         for m in range(columns):
             value[m] += weights[row] * p.row[m]
             gauss[m] += gauss_weights[row] * p.row[m]
@@ -552,9 +589,9 @@ def _settle(
             if left > start:
                 pending = _push(p, pending, left, end, strip)
                 continue
-        level = _level_for(p, ALONG_SHARE * tolerance, ratios, r1, r2, r3, s1, s2)
-        for higher in range(level, len(ALONG_ORDERS)):
-            along = _integrate_panel(p, panels, higher, ratios, r1, r2, r3, s1, s2)
+        _choose_levels(p, ALONG_SHARE * tolerance, len(ratios), r1, r2, r3, s1, s2)
+        for raised in range(len(ALONG_ORDERS)):
+            along = _integrate_panel(p, panels, raised, ratios, r1, r2, r3, s1, s2)
             if along <= ALONG_SHARE * tolerance:
                 break
         panels += 1
@@ -607,7 +644,12 @@ def _cut_at_isotropic_points(
                 continue
             if start + LEAST_PANEL < angle < cut - LEAST_PANEL:
                 cut = angle
-        pending = _push(p, pending, start, cut, strip)
+        parts = int((cut - start) / WIDEST_PANEL) + 1
+        for k in range(parts):
+            pending = _push(
+                p, pending,
+                start + (cut - start) * k / parts, start + (cut - start) * (k + 1) / parts, strip,
+            )  # fmt: skip
         start = cut
     return pending
 

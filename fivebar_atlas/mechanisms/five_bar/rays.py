@@ -46,7 +46,7 @@ MAX_CROSSINGS = MAX_STATIONARY + 2
 #: A stationary point is found when its bracket in v is this short: q is then exact.
 STATIONARY_TOLERANCE = 1e-7
 #: A crossing is found when its bracket in v is this short.
-CROSSING_TOLERANCE = 1e-13
+CROSSING_TOLERANCE = 1e-12
 #: Points are evaluated in multiples of this; what lies beyond the last one is not used.
 LANES = 8
 #: No root takes as many steps; Chandrupatla's rule needs about six.
