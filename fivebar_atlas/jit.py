@@ -81,15 +81,17 @@ def kernel(function: Kernel) -> Kernel:
 
     Notes
     -----
-    Kernels are inlined into the kernels that call them, whose loops can then vectorise. One that is not exists twice, as
-    compiled on its own and as optimised again inside its caller, and the two differ in the
-    last digits; which of them is called depends on whether the process has compiled the
-    caller or loaded it from the cache, and on what else it has loaded. Inlined, the same
-    sources give the same results, bit for bit, in every process.
+    Kernels are inlined into the kernels that call them, whose loops can then vectorise.
+    One that is not exists twice, as compiled on its own and as optimised again inside
+    its caller, and the two differ in the last digits; which of them is called depends
+    on whether the process has compiled the caller or loaded it from the cache, and on
+    what else it has loaded. Inlined, the same sources give the same results, bit for
+    bit, in every process.
     """
     folder = cache_folder()
-    previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(folder) if folder else previous
+    config: Any = numba.config  # its entries are made at run time
+    previous = config.CACHE_DIR
+    config.CACHE_DIR = str(folder) if folder else previous
     try:
         compiled = numba.njit(
             cache=folder is not None,
@@ -99,5 +101,5 @@ def kernel(function: Kernel) -> Kernel:
             fastmath=set(FASTMATH),
         )(function)
     finally:
-        numba.config.CACHE_DIR = previous
+        config.CACHE_DIR = previous
     return cast(Kernel, compiled)

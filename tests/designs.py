@@ -11,9 +11,7 @@ Case = tuple[tuple[float, float, float], tuple[int, int, int]]
 MODES = [(s1, s2, assembly) for s1 in (1, -1) for s2 in (1, -1) for assembly in (1, -1)]
 
 
-def random_design(
-    rng: np.random.Generator, surrounded: bool = False
-) -> tuple[float, float, float]:
+def random_design(rng: np.random.Generator, surrounded: bool = False) -> tuple[float, float, float]:
     """Return a design drawn uniformly from the assemblable or the surrounded space."""
     while True:
         r1, r2, r3 = 3.0 * rng.dirichlet([1.0, 1.0, 1.0])

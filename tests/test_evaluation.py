@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any
 
@@ -45,7 +46,9 @@ def test_reference_values(
     design: tuple[float, float, float], area: float, gci: float, good: float
 ) -> None:
     values = evaluate(design, tolerance=1e-9)
-    assert values["usable_workspace_area"][0, 0] == pytest.approx(area, abs=6e-7 + 4e-6 * (area < 10))
+    assert values["usable_workspace_area"][0, 0] == pytest.approx(
+        area, abs=6e-7 + 4e-6 * (area < 10)
+    )
     assert values["gci"][0, 0] == pytest.approx(gci, abs=6e-8)
     assert values["good_condition_workspace_area"][0, 0, 0] == pytest.approx(good, abs=6e-6)
     assert values["status"][0, 0] == 0
@@ -74,7 +77,7 @@ def test_edge_r3_zero_against_one_dimensional_integrals(r1: float) -> None:
 
     def integral(least: float, weigh: bool) -> float:
         total = 0.0
-        for a, b in zip(ends[:-1], ends[1:], strict=True):
+        for a, b in itertools.pairwise(ends):
             if edge_lci(0.5 * (a + b), r1, r2) < least:
                 continue
             if weigh:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 
@@ -120,7 +121,7 @@ def test_swept_area_of_a_whole_circle_around_the_origin() -> None:
     a, radius = 0.3, 1.2
     total = 0.0
     angles = np.linspace(-math.pi, math.pi, 8)
-    for phi0, phi1 in zip(angles[:-1], angles[1:], strict=True):
+    for phi0, phi1 in itertools.pairwise(angles):
         rho0 = circle_radius(a, 0.0, radius, 1.0, math.cos(phi0), math.sin(phi0))
         rho1 = circle_radius(a, 0.0, radius, 1.0, math.cos(phi1), math.sin(phi1))
         total += circle_swept_area(

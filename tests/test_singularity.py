@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import naive
@@ -110,7 +111,7 @@ def test_rate_of_the_coupler_curve() -> None:
                 loci.coupler_squared_radius(r1, r2, r3, branch, math.cos(a), math.sin(a))
                 for a in (phi + h, phi - h)
             )
-            rate = loci.coupler_radius_rate(curve, r1, r2, r3, c, s)
+            rate = loci.coupler_radius_rate(curve, r2, r3, c, s)
             assert rate == pytest.approx((ahead - behind) / (2.0 * h), abs=1e-6)
             checked += 1
     assert checked > 50
@@ -148,7 +149,7 @@ def test_order_of_curves_is_constant_between_critical_angles() -> None:
         count = loci.critical_angles(r1, r2, r3, -0.5 * math.pi, 1.5 * math.pi, out)
         assert count <= loci.MAX_CRITICAL - 4
         assert np.all(np.diff(out[:count]) > 0.0)
-        for start, end in zip(out[: count - 1], out[1:count], strict=True):
+        for start, end in itertools.pairwise(out[:count]):
             if end - start < 1e-6:
                 continue
             orders = set()
@@ -224,8 +225,7 @@ def test_kinds_of_singularity() -> None:
         (s1, s2)
         for s1 in (1.0, -1.0)
         for s2 in (1.0, -1.0)
-        if kind(design, rho * math.cos(1.0), rho * math.sin(1.0), s1, s2)
-        == loci.PARALLEL_EXTENDED
+        if kind(design, rho * math.cos(1.0), rho * math.sin(1.0), s1, s2) == loci.PARALLEL_EXTENDED
     ]
     assert len(extended) == 1
     # change point r1 = r2 + r3 ... all in line: the third kind

@@ -52,9 +52,7 @@ def test_theoretical_area_against_a_grid() -> None:
 
 def test_theoretical_area_in_closed_cases() -> None:
     assert theoretical_area(1.5, 1.5, 0.0) == pytest.approx(9.0 * math.pi, rel=1e-15)
-    assert theoretical_area(1.28, 1.72, 0.0) == pytest.approx(
-        math.pi * (9.0 - 0.44**2), rel=1e-15
-    )
+    assert theoretical_area(1.28, 1.72, 0.0) == pytest.approx(math.pi * (9.0 - 0.44**2), rel=1e-15)
     assert theoretical_area(1.0, 0.5, 1.5) == 0.0  # a single point
     # r1 = r2: two discs of radius 2 r1, a lens
     half = math.acos(0.5)
@@ -91,7 +89,9 @@ def test_points_of_the_strips_are_those_of_the_workspace() -> None:
             if phi < -0.5 * math.pi:
                 phi += 2.0 * math.pi
             inside = contains(d, *design, strips, phi, math.hypot(px, y[iy]))
-            agree += inside == mask[iy, ix] or (mode[0] != mode[1] and inside == mask[iy, n - 1 - ix])
+            agree += inside == mask[iy, ix] or (
+                mode[0] != mode[1] and inside == mask[iy, n - 1 - ix]
+            )
         assert agree >= 195, (design, mode)
 
 

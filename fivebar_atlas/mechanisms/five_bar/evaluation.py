@@ -142,9 +142,7 @@ def evaluate_class(
         if good > 0.0:
             good_gci = p.total[1 + thresholds + kind] / good
             out[column + 2] = good_gci
-            out[column + 3] = (
-                p.total_error[1 + thresholds + kind] + good_gci * good_error
-            ) / good
+            out[column + 3] = (p.total_error[1 + thresholds + kind] + good_gci * good_error) / good
     out[MAX_LCI], out[MAX_X], out[MAX_Y] = largest_lci(
         p, d, strips, isotropic, r1, r2, r3, s1, s2, assembly
     )
@@ -249,7 +247,9 @@ def evaluate_designs(
     good = picked[:, :, FIXED:].reshape(len(designs), len(mapped), len(lci_thresholds), 4)
     return {
         "theoretical_workspace_area": theoretical,
-        "theoretical_workspace_area_error": AREA_ROUNDING * np.maximum(theoretical, 1.0),
+        "theoretical_workspace_area_error": AREA_ROUNDING
+        * 4.0
+        * (designs[:, 0] + designs[:, 1]) ** 2,
         "usable_workspace_area": picked[:, :, AREA],
         "usable_workspace_area_error": picked[:, :, AREA_ERROR],
         "gci": picked[:, :, GCI],

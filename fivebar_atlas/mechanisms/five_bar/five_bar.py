@@ -96,7 +96,8 @@ class FiveBar:
             to be assembled.
         """
         design, factor = normalise((R1, R2, R3))
-        return cls(*(float(r) for r in design), dimensional_factor=factor)
+        r1, r2, r3 = (float(r) for r in design)
+        return cls(r1, r2, r3, factor)
 
     @property
     def lengths(self) -> tuple[float, float, float]:
@@ -235,9 +236,7 @@ class FiveBar:
             tolerance=tolerance,
         )
         results = _MECHANISM.evaluate(self._design, settings)
-        document = _MECHANISM.document(
-            self._design[0], self.dimensional_factor, settings, results
-        )
+        document = _MECHANISM.document(self._design[0], self.dimensional_factor, settings, results)
         values: dict[str, Any] = document["modes"][0]
         return values
 

@@ -340,7 +340,7 @@ def _integrate_panel(
             value[m] += weights[row] * p.row[m]
             gauss[m] += gauss_weights[row] * p.row[m]
             p.along_error[m] += weights[row] * p.row_error[m]
-    along = p.along_error[0] / (value[0] + 1e-300)
+    along: float = p.along_error[0] / (value[0] + 1e-300)
     for m in range(columns):
         gain = LCI_GAIN if m == 0 else LEVEL_GAIN
         error = kronrod_error(abs(value[m] - gauss[m]), value[m], gain) + p.along_error[m]
@@ -388,7 +388,8 @@ def _locate_change(
     """
     rays = p.rays
     ratio = ratios[kind]
-    x1, x2 = rays.phi[row0], rays.phi[row1]
+    x1: float = rays.phi[row0]
+    x2: float = rays.phi[row1]
     crossings = rays.crossing_count[row0, kind]
     count1, count2 = rays.stationary_count[row0], rays.stationary_count[row1]
     p.saved_q[0] = rays.stationary_q[row0]
@@ -448,7 +449,9 @@ def _hidden_vertex(p: Panels, row: int, which: int, ratio: float) -> float:
     tilt = (slope0 * h2 + slope2 * h0) / (h0 + h2)
     if f1 - 0.25 * tilt * tilt / bend < -0.1 * (2.0 * f1 - f0 - f2):
         return math.nan
-    return rays.phi[row] - 0.5 * tilt / bend
+    middle: float = rays.phi[row]
+    vertex: float = middle - 0.5 * tilt / bend
+    return vertex
 
 
 @kernel
@@ -461,8 +464,8 @@ def _corner_change(
     LCI may have any limit in a corner of the workspace, so a level curve may end in one.
     """
     rays = p.rays
-    x1 = corner + 1e-7 * (rays.phi[row] - corner)
-    x2 = rays.phi[row]
+    x2: float = rays.phi[row]
+    x1 = corner + 1e-7 * (x2 - corner)
     spare = _scan_single(p, x1, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
     crossings = rays.crossing_count[spare, kind]
     if crossings == rays.crossing_count[row, kind]:
@@ -518,9 +521,7 @@ def _level_changes(
             for which in range(count):
                 x = _hidden_vertex(p, row, which, ratios[kind])
                 if not math.isnan(x) and cuts < MAX_LEVEL_CUTS:
-                    spare = _scan_single(
-                        p, x, lower, upper, ratios, r1, r2, r3, s1, s2, assembly
-                    )
+                    spare = _scan_single(p, x, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
                     if rays.crossing_count[spare, kind] != rays.crossing_count[row, kind]:
                         p.level_cuts[cuts] = x
                         cuts += 1
@@ -610,9 +611,7 @@ def _sum_panels(p: Panels, panels: int, columns: int) -> None:
 
 
 @kernel
-def _excess(
-    p: Panels, error: FloatArray, columns: int, tolerance: float, floor: float
-) -> float:
+def _excess(p: Panels, error: FloatArray, columns: int, tolerance: float, floor: float) -> float:
     """Return the largest ratio of an error to what the tolerance allows it."""
     worst = 0.0
     for m in range(columns):
@@ -622,8 +621,7 @@ def _excess(
 
 @kernel
 def _cut_at_isotropic_points(
-    p: Panels, d: Decomposition, strip: int, isotropic: int, pending: int,
-    r1: float, r2: float, r3: float,
+    p: Panels, d: Decomposition, strip: int, isotropic: int, pending: int, r1: float, r2: float,
 ) -> int:  # fmt: skip
     """Push a strip's panels, cut at the angles of isotropic points and of a base joint.
 
@@ -691,10 +689,8 @@ def integrate_strips(
     p.best[:] = 0.0
     pending = 0
     for strip in range(strips):
-        pending = _cut_at_isotropic_points(p, d, strip, isotropic, pending, r1, r2, r3)
-    panels = _settle(
-        p, d, pending, 0, tolerance, negligible, ratios, r1, r2, r3, s1, s2, assembly
-    )
+        pending = _cut_at_isotropic_points(p, d, strip, isotropic, pending, r1, r2)
+    panels = _settle(p, d, pending, 0, tolerance, negligible, ratios, r1, r2, r3, s1, s2, assembly)
     while True:
         _sum_panels(p, panels, columns)
         reached = _excess(p, p.total_error, columns, tolerance, floor) <= 1.0

@@ -71,9 +71,7 @@ ARCS = record_type(
 
 
 @kernel
-def collect_arcs(
-    arcs: Arcs, d: Decomposition, r1: float, r2: float, r3: float, strips: int
-) -> int:
+def collect_arcs(arcs: Arcs, d: Decomposition, r1: float, r2: float, r3: float, strips: int) -> int:
     """Gather the boundary arcs of the strips; return their number."""
     count = 0
     for strip in range(strips):
@@ -111,7 +109,7 @@ def _coupler_distance(
     """  # noqa: D205
     c, s = math.cos(phi), math.sin(phi)
     rho = radius_along(arcs.curve[k], r1, r2, r3, c, s)
-    rate = coupler_radius_rate(arcs.curve[k], r1, r2, r3, c, s)
+    rate = coupler_radius_rate(arcs.curve[k], r2, r3, c, s)
     x, y = rho * c, rho * s
     half_slope = 0.5 * rate - centre * (0.5 * rate / max(rho, 1e-12) * s + x)
     return x * x + (y - centre) * (y - centre), half_slope, y
@@ -143,8 +141,8 @@ def _nearest_on_coupler(
     step = (arcs.end[k] - arcs.start[k]) / ARC_SAMPLES
     middle = arcs.start[k] + (near + 0.5) * step
     x1, x2 = max(middle - step, arcs.start[k]), min(middle + step, arcs.end[k])
-    d1, f1, y1 = _coupler_distance(arcs, k, x1, centre, r1, r2, r3)
-    d2, f2, y2 = _coupler_distance(arcs, k, x2, centre, r1, r2, r3)
+    _, f1, _ = _coupler_distance(arcs, k, x1, centre, r1, r2, r3)
+    _, f2, _ = _coupler_distance(arcs, k, x2, centre, r1, r2, r3)
     if f1 >= 0.0 or f2 <= 0.0:  # the nearest point is an end, which is looked at elsewhere
         return near2, near_y
     share = first_share(f1, f2)

@@ -34,9 +34,7 @@ def _note_point(
 
 
 @kernel
-def isotropic_points(
-    r1: float, r2: float, r3: float, s1: float, s2: float, out: FloatArray
-) -> int:
+def isotropic_points(r1: float, r2: float, r3: float, s1: float, s2: float, out: FloatArray) -> int:
     """Collect the isotropic points of a working mode, both assembly modes.
 
     On the axis: y = ±r2/√2 ± √(r1² - (r3 ∓ r2/√2)²) where the elbows are mirrored ("+-",

@@ -97,9 +97,7 @@ def coupler_squared_radius(
 
 
 @kernel
-def coupler_radius_rate(
-    curve: int, r1: float, r2: float, r3: float, c: float, s: float
-) -> float:
+def coupler_radius_rate(curve: int, r2: float, r3: float, c: float, s: float) -> float:
     """Return d(ρ²)/dφ along a branch of C_col."""
     branch = 1.0 if curve == COUPLER_PLUS else -1.0
     root = math.sqrt(max(coupler_root(r2, r3, c), 1e-300))
@@ -186,9 +184,7 @@ def coupler_antiderivative(
 
 
 @kernel
-def swept_area(
-    curve: int, r1: float, r2: float, r3: float, phi0: float, phi1: float
-) -> float:
+def swept_area(curve: int, r1: float, r2: float, r3: float, phi0: float, phi1: float) -> float:
     """Return ½ ∫ ρ² dφ along a curve from phi0 to phi1, in closed form."""
     if curve == ORIGIN:
         return 0.0
@@ -202,9 +198,7 @@ def swept_area(
     a, b, radius, sheet = circle_of(curve, r1, r2, r3)
     rho0 = circle_radius(a, b, radius, sheet, c0, s0)
     rho1 = circle_radius(a, b, radius, sheet, c1, s1)
-    return circle_swept_area(
-        a, b, radius, sheet, rho0 * c0, rho0 * s0, rho1 * c1, rho1 * s1
-    )
+    return circle_swept_area(a, b, radius, sheet, rho0 * c0, rho0 * s0, rho1 * c1, rho1 * s1)
 
 
 @kernel
@@ -247,7 +241,7 @@ def critical_angles(
     out[1] = greatest
     n = 2
     n = _note_angle(0.5 * math.pi, least, greatest, out, n)  # C_1o and C_2o, C_1i and C_2i meet
-    outer, inner = r1 + r2, abs(r1 - r2)
+    inner = abs(r1 - r2)
     height = fold_height(r1, r3)
     for mirror in range(2):
         # each point or tangent ray of the right half has an image in the left one
@@ -261,7 +255,9 @@ def critical_angles(
                 x = r1 * r2 / r3
                 y2 = (inner - (x - r3)) * (inner + (x - r3))
                 if y2 >= 0.0:
-                    n = _note_angle(math.atan2(up * math.sqrt(y2), side * x), least, greatest, out, n)
+                    n = _note_angle(
+                        math.atan2(up * math.sqrt(y2), side * x), least, greatest, out, n
+                    )
             if r1 >= r3:
                 # C_coin touches a reach circle where P is in line with A2 and F
                 for sign in range(2):

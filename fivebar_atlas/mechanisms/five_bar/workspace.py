@@ -47,8 +47,9 @@ IndexArray = npt.NDArray[np.int64]
 #: Cells or necks narrower than this (lengths sum to 3) are rounding, not workspace.
 LEAST_WIDTH = 1e-10
 MAX_CELLS = 8 * MAX_CRITICAL
-#: Rounding of a closed-form area, relative to the sum of the swept areas' sizes.
-AREA_ROUNDING = 4e-15
+#: Rounding of a closed-form area, relative to the number of arcs times (r1 + r2)²: each
+#: is a difference of terms that large, however small it is itself.
+AREA_ROUNDING = 1e-15
 
 
 class Decomposition(Protocol):
@@ -243,9 +244,7 @@ def decompose(
         )
     if not symmetric:
         last = sectors - 1
-        _join_across(
-            d, r1, r2, r3, least, d.first[last], d.first[sectors], d.first[0], d.first[1]
-        )
+        _join_across(d, r1, r2, r3, least, d.first[last], d.first[sectors], d.first[0], d.first[1])
     for cell in range(count):
         d.component[cell] = _root(d, cell)
     return sectors
@@ -334,17 +333,12 @@ def strips_area(
     d: Decomposition, r1: float, r2: float, r3: float, strips: int
 ) -> tuple[float, float]:
     """Return the area of the strips in closed form and its rounding error."""
-    area, size = 0.0, 0.0
+    area = 0.0
     for strip in range(strips):
-        above = swept_area(
-            d.strip_upper[strip], r1, r2, r3, d.strip_from[strip], d.strip_to[strip]
-        )
-        below = swept_area(
-            d.strip_lower[strip], r1, r2, r3, d.strip_from[strip], d.strip_to[strip]
-        )
-        area += above - below
-        size += abs(above) + abs(below)
-    return area, AREA_ROUNDING * size
+        start, end = d.strip_from[strip], d.strip_to[strip]
+        area += swept_area(d.strip_upper[strip], r1, r2, r3, start, end)
+        area -= swept_area(d.strip_lower[strip], r1, r2, r3, start, end)
+    return area, AREA_ROUNDING * 2.0 * strips * (r1 + r2) * (r1 + r2)
 
 
 @kernel
