@@ -164,6 +164,17 @@ def test_inscribed_circles_of_an_annulus() -> None:
         assert values[f"mic_{half}_y"][0, 0] == pytest.approx(sign * 1.72, abs=1e-12)
 
 
+def test_inscribed_circle_keeps_off_a_singular_point() -> None:
+    # r1 = r2: the inner reach circles are the base joints, where the legs fold
+    values = evaluate((1.5, 1.5, 0.0))
+    assert values["mic_upper_radius"][0, 0] == pytest.approx(1.5, abs=1e-12)
+    near = evaluate((1.5 - 1e-6, 1.5 + 1e-6, 0.0))
+    assert near["mic_upper_radius"][0, 0] == pytest.approx(1.5, abs=1e-5)
+    values = evaluate((1.45, 1.45, 0.1))
+    radius, y = values["mic_upper_radius"][0, 0], values["mic_upper_y"][0, 0]
+    assert radius <= math.hypot(0.1, y) + 1e-12
+
+
 def test_mirror_symmetries_between_all_modes() -> None:
     design = random_design(np.random.default_rng(3))
     values = evaluate(design, MODES, (0.4,), 1e-5)

@@ -63,17 +63,20 @@ def test_points_agree_with_the_oracle_and_nan_is_out_of_reach() -> None:
     for mode, (s1, s2) in {"+-": (1, -1), "mp/down": (-1, 1), "++": (1, 1)}.items():
         theirs = naive.lci(1.2, 1.0, 0.8, x, y, s1, s2)
         ours = ROBOT.lci(x, y, mode)
-        np.testing.assert_array_equal(np.isnan(ours), np.isnan(theirs))
-        np.testing.assert_allclose(ours, theirs, atol=1e-8)
+        reached = ~np.isnan(naive.det_b(1.2, 1.0, 0.8, x, y, s1, s2))
+        assert 50 < reached.sum() < reached.size
+        np.testing.assert_array_equal(np.isnan(ours), ~reached)
+        np.testing.assert_allclose(ours[reached], theirs[reached], atol=1e-8)
         b1, b2 = ROBOT.elbows(x, y, mode)
         n1, n2 = naive.elbows(1.2, 1.0, 0.8, x, y, s1, s2)
-        np.testing.assert_allclose(b1, n1, atol=1e-10)
-        np.testing.assert_allclose(b2, n2, atol=1e-10)
+        np.testing.assert_allclose(b1[reached], n1[reached], atol=1e-10)
+        np.testing.assert_allclose(b2[reached], n2[reached], atol=1e-10)
+        jacobian = naive.jacobian(1.2, 1.0, 0.8, x, y, s1, s2)
         np.testing.assert_allclose(
-            ROBOT.jacobian(x, y, mode), naive.jacobian(1.2, 1.0, 0.8, x, y, s1, s2), rtol=1e-6
+            ROBOT.jacobian(x, y, mode)[reached], jacobian[reached], rtol=1e-6, atol=1e-9
         )
         signs = np.sign(naive.det_b(1.2, 1.0, 0.8, x, y, s1, s2))
-        np.testing.assert_array_equal(ROBOT.assembly_mode(x, y, mode), signs)
+        np.testing.assert_array_equal(ROBOT.assembly_mode(x, y, mode)[reached], signs[reached])
 
 
 def test_forward_undoes_inverse() -> None:

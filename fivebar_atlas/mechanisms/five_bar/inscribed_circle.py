@@ -31,6 +31,8 @@ AXIS_SAMPLES = 24
 #: Points of a coupler arc that bracket its nearest point.
 ARC_SAMPLES = 12
 MAX_ARCS = 2 * MAX_CELLS
+#: Inner reach circles smaller than this are points, the base joints.
+POINT_RADIUS = 1e-9
 #: Angle to which the nearest point of a coupler arc is found.
 ANGLE_TOLERANCE = 1e-13
 #: The centre is found to this accuracy (lengths sum to 3).
@@ -196,6 +198,8 @@ def clearance(
     C_col may be a little too large where they are not to be ``exact``.
     """
     best2, best_y = math.inf, 0.0
+    if abs(r1 - r2) < POINT_RADIUS:  # C_1i and C_2i are points, singular ones: A1 and A2
+        best2 = r3 * r3 + centre * centre
     for k in range(count):
         for end in range(2):
             x = arcs.x0[k] if end == 0 else arcs.x1[k]
