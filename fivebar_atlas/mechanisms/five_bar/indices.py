@@ -87,6 +87,8 @@ class Panels(Protocol):
 
     Attributes
     ----------
+    count, pending_count
+        Number of panels and of those still to be looked at, shape (1,).
     start, end
         Angles, shape (MAX_PANELS,).
     strip
@@ -126,6 +128,8 @@ class Panels(Protocol):
         the strip, shape (6,).
     """
 
+    count: IndexArray
+    pending_count: IndexArray
     start: FloatArray
     end: FloatArray
     strip: IndexArray
@@ -157,6 +161,7 @@ class Panels(Protocol):
 
 
 PANELS = record_type(
+    *((name, np.int64, (1,)) for name in ("count", "pending_count")),
     *((name, np.float64, (MAX_PANELS,)) for name in ("start", "end")),
     ("strip", np.int64, (MAX_PANELS,)),
     *((name, np.float64, (MAX_PANELS, COLUMNS)) for name in ("value", "error")),
@@ -390,35 +395,35 @@ def _locate_change(
     ratio = ratios[kind]
     x1: float = rays.phi[row0]
     x2: float = rays.phi[row1]
-    crossings = rays.crossing_count[row0, kind]
+    crossings1 = rays.crossing_count[row0, kind]
     count1, count2 = rays.stationary_count[row0], rays.stationary_count[row1]
     p.saved_q[0] = rays.stationary_q[row0]
     p.saved_q[1] = rays.stationary_q[row1]
+    which, share = -1, FOUND
+    f1, f2 = 0.0, 0.0
     while abs(x2 - x1) > ANGLE_TOLERANCE:
-        which = _passing_value(p, ratio, count1) if count1 == count2 else -1
-        if which >= 0:
+        if which < 0:
+            which = _passing_value(p, ratio, count1) if count1 == count2 else -1
             f1, f2 = p.saved_q[0, which] - ratio, p.saved_q[1, which] - ratio
-            share = first_share(f1, f2)
-            while share != FOUND:
-                x = x1 + share * (x2 - x1)
-                row = _scan_single(p, x, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
-                if rays.stationary_count[row] != count1:
-                    break  # a pair of stationary points is born in between: bisect on
-                f = rays.stationary_q[row, which] - ratio
-                if (f > 0.0) == (f1 > 0.0):
-                    x3, f3 = x1, f1
-                else:
-                    x3, f3, x2, f2 = x2, f2, x1, f1
-                x1, f1 = x, f
-                share = next_share(x1, f1, x2, f2, x3, f3, ANGLE_TOLERANCE)
+            share = first_share(f1, f2) if which >= 0 else 0.5
+        x = x1 + share * (x2 - x1)
+        row = _scan_single(p, x, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
+        crossings = rays.crossing_count[row, kind]
+        if which >= 0 and rays.stationary_count[row] == count1:
+            f = rays.stationary_q[row, which] - ratio
+            if (f > 0.0) == (f1 > 0.0):
+                x3, f3 = x1, f1
+            else:
+                x3, f3, x2, f2 = x2, f2, x1, f1
+            x1, f1, crossings1 = x, f, crossings
+            share = next_share(x1, f1, x2, f2, x3, f3, ANGLE_TOLERANCE)
             if share == FOUND:
                 return x1
-            row = _scan_single(p, x1, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
-            crossings = rays.crossing_count[row, kind]
-            count1 = count2 = -1
-        x = 0.5 * (x1 + x2)
-        row = _scan_single(p, x, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
-        if rays.crossing_count[row, kind] == crossings:
+            continue
+        # nothing to follow yet, or a pair of stationary points is born in between: bisect
+        if which >= 0:
+            which, count1, count2 = -1, -1, -1
+        if crossings == crossings1:
             x1, count1 = x, rays.stationary_count[row]
             p.saved_q[0] = rays.stationary_q[row]
         else:
@@ -466,18 +471,19 @@ def _corner_change(
     rays = p.rays
     x2: float = rays.phi[row]
     x1 = corner + 1e-7 * (x2 - corner)
-    spare = _scan_single(p, x1, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
-    crossings = rays.crossing_count[spare, kind]
-    if crossings == rays.crossing_count[row, kind]:
-        return math.nan
-    for _ in range(30):
-        x = 0.5 * (x1 + x2)
+    x, crossings = x1, 0
+    for step in range(31):
         spare = _scan_single(p, x, lower, upper, ratios, r1, r2, r3, s1, s2, assembly)
-        if rays.crossing_count[spare, kind] == crossings:
+        if step == 0:
+            crossings = rays.crossing_count[spare, kind]
+            if crossings == rays.crossing_count[row, kind]:
+                return math.nan
+        elif rays.crossing_count[spare, kind] == crossings:
             x1 = x
         else:
             x2 = x
-    return 0.5 * (x1 + x2)
+        x = 0.5 * (x1 + x2)
+    return x
 
 
 @kernel
@@ -530,26 +536,27 @@ def _level_changes(
 
 
 @kernel
-def _push(p: Panels, pending: int, start: float, end: float, strip: int) -> int:
-    """Put a panel on the stack of pending ones; return their number."""
+def _push(p: Panels, start: float, end: float, strip: int) -> None:
+    """Put a panel on the stack of pending ones."""
+    pending = p.pending_count[0]
     if end > start and pending < MAX_PANELS:
         p.pending_start[pending] = start
         p.pending_end[pending] = end
         p.pending_strip[pending] = strip
-        return pending + 1
-    return pending
+        p.pending_count[0] = pending + 1
 
 
 @kernel
 def _settle(
-    p: Panels, d: Decomposition, pending: int, panels: int, tolerance: float, negligible: float,
+    p: Panels, d: Decomposition, tolerance: float, negligible: float,
     ratios: FloatArray,
     r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
-) -> int:  # fmt: skip
-    """Integrate all pending panels, cutting them at level changes; return the panel count."""
+) -> None:  # fmt: skip
+    """Integrate all pending panels, cutting them at level changes."""
     outer2 = (r1 + r2) * (r1 + r2)
-    while pending > 0 and panels < MAX_PANELS:
-        pending -= 1
+    while p.pending_count[0] > 0 and p.count[0] < MAX_PANELS:
+        p.pending_count[0] -= 1
+        pending, panels = p.pending_count[0], p.count[0]
         start, end, strip = (
             p.pending_start[pending], p.pending_end[pending], p.pending_strip[pending],
         )  # fmt: skip
@@ -561,7 +568,7 @@ def _settle(
         if bound < negligible:
             p.value[panels] = 0.0
             p.error[panels] = bound
-            panels += 1
+            p.count[0] += 1
             continue
         for row in range(ACROSS_NODES):
             phi = start + (end - start) * p.across_nodes[row]
@@ -585,26 +592,25 @@ def _settle(
             left = start
             for k in range(cuts):
                 if left + margin < p.level_cuts[k] < end - margin:
-                    pending = _push(p, pending, left, p.level_cuts[k], strip)
+                    _push(p, left, p.level_cuts[k], strip)
                     left = p.level_cuts[k]
             if left > start:
-                pending = _push(p, pending, left, end, strip)
+                _push(p, left, end, strip)
                 continue
         _choose_levels(p, ALONG_SHARE * tolerance, len(ratios), r1, r2, r3, s1, s2)
         for raised in range(len(ALONG_ORDERS)):
             along = _integrate_panel(p, panels, raised, ratios, r1, r2, r3, s1, s2)
             if along <= ALONG_SHARE * tolerance:
                 break
-        panels += 1
-    return panels
+        p.count[0] += 1
 
 
 @kernel
-def _sum_panels(p: Panels, panels: int, columns: int) -> None:
+def _sum_panels(p: Panels, columns: int) -> None:
     """Add up the panels' integrals and errors."""
     p.total[:] = 0.0
     p.total_error[:] = 0.0
-    for k in range(panels):
+    for k in range(p.count[0]):
         for m in range(columns):
             p.total[m] += p.value[k, m]
             p.total_error[m] += p.error[k, m]
@@ -621,8 +627,8 @@ def _excess(p: Panels, error: FloatArray, columns: int, tolerance: float, floor:
 
 @kernel
 def _cut_at_isotropic_points(
-    p: Panels, d: Decomposition, strip: int, isotropic: int, pending: int, r1: float, r2: float,
-) -> int:  # fmt: skip
+    p: Panels, d: Decomposition, strip: int, isotropic: int, r1: float, r2: float
+) -> None:  # fmt: skip
     """Push a strip's panels, cut at the angles of isotropic points and of a base joint.
 
     A base joint lies inside the workspace only for r1 = r2, where the inner reach circles
@@ -644,12 +650,9 @@ def _cut_at_isotropic_points(
                 cut = angle
         parts = int((cut - start) / WIDEST_PANEL) + 1
         for k in range(parts):
-            pending = _push(
-                p, pending,
-                start + (cut - start) * k / parts, start + (cut - start) * (k + 1) / parts, strip,
-            )  # fmt: skip
+            left, right = start + (cut - start) * k / parts, start + (cut - start) * (k + 1) / parts
+            _push(p, left, right, strip)
         start = cut
-    return pending
 
 
 @kernel
@@ -687,17 +690,17 @@ def integrate_strips(
     floor = 1e-13 * area
     columns = 2 * len(ratios) + 1
     p.best[:] = 0.0
-    pending = 0
+    p.count[0] = p.pending_count[0] = 0
     for strip in range(strips):
-        pending = _cut_at_isotropic_points(p, d, strip, isotropic, pending, r1, r2)
-    panels = _settle(p, d, pending, 0, tolerance, negligible, ratios, r1, r2, r3, s1, s2, assembly)
+        _cut_at_isotropic_points(p, d, strip, isotropic, r1, r2)
     while True:
-        _sum_panels(p, panels, columns)
+        _settle(p, d, tolerance, negligible, ratios, r1, r2, r3, s1, s2, assembly)
+        _sum_panels(p, columns)
         reached = _excess(p, p.total_error, columns, tolerance, floor) <= 1.0
-        if reached or panels >= MAX_PANELS - 4:
+        if reached or p.count[0] >= MAX_PANELS - 4:
             break
         worst, worst_panel = 0.0, 0
-        for k in range(panels):
+        for k in range(p.count[0]):
             excess = _excess(p, p.error[k], columns, tolerance, floor)
             if excess > worst:
                 worst, worst_panel = excess, k
@@ -705,20 +708,22 @@ def integrate_strips(
         middle = 0.5 * (start + end)
         if not start < middle < end:
             break
-        panels -= 1  # the last panel takes the place of the one that is halved
-        p.start[worst_panel] = p.start[panels]
-        p.end[worst_panel] = p.end[panels]
-        p.strip[worst_panel] = p.strip[panels]
-        p.value[worst_panel] = p.value[panels]
-        p.error[worst_panel] = p.error[panels]
-        pending = _push(p, 0, start, middle, strip)
-        pending = _push(p, pending, middle, end, strip)
-        panels = _settle(
-            p, d, pending, panels, tolerance, negligible, ratios, r1, r2, r3, s1, s2, assembly
-        )
+        p.count[0] -= 1  # the last panel takes the place of the one that is halved
+        last = p.count[0]
+        p.start[worst_panel] = p.start[last]
+        p.end[worst_panel] = p.end[last]
+        p.strip[worst_panel] = p.strip[last]
+        p.value[worst_panel] = p.value[last]
+        p.error[worst_panel] = p.error[last]
+        _push(p, start, middle, strip)
+        _push(p, middle, end, strip)
+    # room for panels ran out: what was not integrated is bounded by its sector
+    missing = 0.0
+    for k in range(p.pending_count[0]):
+        missing += 0.5 * (r1 + r2) * (r1 + r2) * (p.pending_end[k] - p.pending_start[k])
     for m in range(columns):
-        p.total_error[m] *= SAFETY
-    return reached
+        p.total_error[m] = SAFETY * p.total_error[m] + missing
+    return reached and missing == 0.0
 
 
 @kernel
