@@ -66,6 +66,12 @@ def cache_folder() -> Path | None:
     return folder
 
 
+def has_compiled_kernels() -> bool:
+    """Tell whether kernels of these sources have been compiled before and kept."""
+    folder = cache_folder()
+    return folder is not None and any(folder.rglob("*.nbi"))
+
+
 def kernel(function: Kernel) -> Kernel:
     """Compile a kernel: no exceptions from arithmetic, no GIL, cached between processes.
 

@@ -82,7 +82,18 @@ def start() -> Iterator[Callable[..., subprocess.Popen[str]]]:
     """Start a Python script as a process that can import the package and the tests."""
     processes: list[subprocess.Popen[str]] = []
 
-    def run(script: str, *arguments: object, **options: object) -> subprocess.Popen[str]:
+    def run(
+        script: str,
+        *arguments: object,
+        before: Callable[[], None] | None = None,
+        **options: object,
+    ) -> subprocess.Popen[str]:
+        def prepare() -> None:
+            # a shell starts background jobs with interrupts ignored, and that is inherited
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            if before is not None:
+                before()
+
         environment = {
             **os.environ,
             "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")]),
@@ -93,8 +104,7 @@ def start() -> Iterator[Callable[..., subprocess.Popen[str]]]:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
-            # a shell starts background jobs with interrupts ignored, and that is inherited
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+            preexec_fn=prepare,
             **options,  # type: ignore[call-overload]
         )
         processes.append(process)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import io
+import sys
+from pathlib import Path
 
 import pytest
 
+from fivebar_atlas import jit
 from fivebar_atlas.cli import progress
-from fivebar_atlas.cli.progress import Progress, duration
+from fivebar_atlas.cli.progress import Progress, duration, note_compilation
 
 
 class Terminal(io.StringIO):
@@ -99,3 +102,24 @@ def test_quiet_writes_nothing(clock: Clock, stream: io.StringIO) -> None:
 )
 def test_durations_are_read_easily(seconds: float, text: str) -> None:
     assert duration(seconds) == text
+
+
+def test_compilation_is_announced_at_a_terminal_only(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    jit.cache_folder.cache_clear()
+    try:
+        for stream, said in ((Terminal(), True), (io.StringIO(), False)):
+            monkeypatch.setattr(sys, "stderr", stream)
+            note_compilation()
+            assert ("once" in stream.getvalue()) == said
+        folder = jit.cache_folder()
+        assert folder is not None
+        (folder / "kernels.nbi").touch()
+        stream = Terminal()
+        monkeypatch.setattr(sys, "stderr", stream)
+        note_compilation()
+        assert stream.getvalue() == ""
+    finally:
+        jit.cache_folder.cache_clear()

@@ -181,7 +181,7 @@ def test_file_size_limit_is_one_line(start: Start, tmp_path: Path, size: int) ->
     process = start(
         SCRIPT,
         *("sweep", *TOY, "-o", output, "--quiet"),
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
+        before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
     )
     _, message = process.communicate(timeout=120)
     assert process.returncode == 1, message

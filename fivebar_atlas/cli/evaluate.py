@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fivebar_atlas.cli import options
+from fivebar_atlas.cli.progress import note_compilation
 
 if TYPE_CHECKING:
     from fivebar_atlas.mechanisms.base import (
@@ -85,6 +86,7 @@ def evaluate(
     )
     chosen.check_thresholds(settings.lci_thresholds, "--lci")
     chosen.check_tolerance(settings.tolerance, "--tolerance")
+    note_compilation()
     results = chosen.evaluate(parameters[None, :], settings)
     if as_json:
         document = chosen.document(parameters, factor, settings, results)

@@ -12,6 +12,15 @@ _SECONDS_ON_TERMINAL = 0.1
 _SECONDS_ELSEWHERE = 10.0
 
 
+def note_compilation() -> None:
+    """Tell whoever waits at a terminal that kernels are about to be compiled, if they are."""
+    from fivebar_atlas.jit import has_compiled_kernels
+
+    if sys.stderr.isatty() and not has_compiled_kernels():
+        sys.stderr.write("Compiling the kernels: once, for up to a minute.\n")
+        sys.stderr.flush()
+
+
 class Progress:
     """Counts finished designs and says how fast they come and how long the rest takes.
 

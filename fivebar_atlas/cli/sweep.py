@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fivebar_atlas.cli import options
-from fivebar_atlas.cli.progress import Progress
+from fivebar_atlas.cli.progress import Progress, note_compilation
 
 if TYPE_CHECKING:
     from fivebar_atlas.executors import Executor
@@ -69,6 +69,8 @@ def _run(work: Sweep, writer: AtlasWriter, executor: Executor, quiet: bool) -> N
     total, done = len(work.designs), _designs(work, writer)
     if done:
         _say(f"{done:,} of {total:,} designs were finished before", quiet)
+    if not quiet:
+        note_compilation()
     with Progress(total, done, quiet) as progress:
         for results in work.run(executor, writer.finished):
             writer.add(results.block.index, results.arrays)
