@@ -139,14 +139,14 @@ def bench_threads() -> None:
 _COUNT = """
 import sys
 import numpy as np
-from fivebar_atlas.mechanisms.five_bar import evaluation, indices
+from fivebar_atlas.mechanisms.five_bar import evaluation, panels
 points = 0
-piece = indices._piece
+piece = panels._piece
 def counted(*arguments):
     global points
     points += int(arguments[9])
     return piece(*arguments)
-indices._piece = counted
+panels._piece = counted
 designs = np.array(eval(sys.argv[1]))
 evaluation.evaluate_designs(designs, np.array([[1, -1, 1]]), np.array([0.5]), 1e-6)
 print(points / len(designs))

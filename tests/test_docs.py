@@ -264,18 +264,18 @@ def test_format_describes_every_attribute(small_atlas: Path) -> None:
 
 
 def test_algorithm_page_gives_the_constants_of_the_program() -> None:
-    from fivebar_atlas.mechanisms.five_bar import indices
+    from fivebar_atlas.mechanisms.five_bar import indices, panels, rays
 
     text = " ".join((DOCS / "algorithm.md").read_text(encoding="utf-8").split())
-    orders = indices.ALONG_ORDERS
+    orders = panels.ALONG_ORDERS
     assert f"Of {len(orders)} Gauss–Kronrod pairs, with {orders[0]} to {orders[-1]} Gauss" in text
-    assert f"a pair with {indices.ACROSS_ORDER} Gauss nodes runs across each" in text
-    assert f"within {indices.MAX_PANELS} panels" in text
+    assert f"a pair with {rays.ACROSS_ORDER} Gauss nodes runs across each" in text
+    assert f"within {panels.MAX_PANELS} panels" in text
     assert f"is {indices.SAFETY:g} times the sum over all panels" in text
     assert f"above $10^{{{math.log10(indices.COARSEST):g}}}$ is worked at" in text
-    assert indices.ALONG_GAIN == indices.LCI_GAIN
-    assert f"with $g = {indices.ALONG_GAIN:g}$ along rays" in text
-    assert f"and $g = {indices.LEVEL_GAIN:g}$" in text
+    assert panels.ALONG_GAIN == panels.LCI_GAIN
+    assert f"with $g = {panels.ALONG_GAIN:g}$ along rays" in text
+    assert f"and $g = {panels.LEVEL_GAIN:g}$" in text
 
 
 def test_configuration_page_lists_every_key_and_its_default(tmp_path: Path) -> None:

@@ -15,13 +15,7 @@ import numpy.typing as npt
 
 from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.base import FloatArray, IntArray
-from fivebar_atlas.mechanisms.five_bar.indices import (
-    PANELS,
-    Panels,
-    integrate_strips,
-    largest_lci,
-    set_rules,
-)
+from fivebar_atlas.mechanisms.five_bar.indices import integrate_strips, largest_lci
 from fivebar_atlas.mechanisms.five_bar.inscribed_circle import (
     ARCS,
     Arcs,
@@ -30,6 +24,7 @@ from fivebar_atlas.mechanisms.five_bar.inscribed_circle import (
 )
 from fivebar_atlas.mechanisms.five_bar.isotropy import isotropic_points
 from fivebar_atlas.mechanisms.five_bar.jacobian import threshold_ratio
+from fivebar_atlas.mechanisms.five_bar.panels import PANELS, Panels, set_rules
 from fivebar_atlas.mechanisms.five_bar.rays import MAX_THRESHOLDS
 from fivebar_atlas.mechanisms.five_bar.workspace import (
     AREA_ROUNDING,
