@@ -18,6 +18,7 @@ from fivebar_atlas.numerics.arcs import (
 )
 from fivebar_atlas.numerics.quadrature import (
     cluster,
+    cluster_inverse,
     cluster_slope,
     clustered_gauss_kronrod,
     gauss_kronrod,
@@ -62,6 +63,7 @@ def test_clustered_rule_integrates_square_root_ends() -> None:
 def test_cluster_slope_is_the_derivative_of_cluster() -> None:
     for v in np.linspace(0.0, 1.0, 11):
         difference = (cluster(v + 1e-6) - cluster(v - 1e-6)) / 2e-6
+        assert cluster_inverse(cluster(v)) == pytest.approx(v, abs=1e-7)
         assert cluster_slope(v) == pytest.approx(difference, abs=1e-9)
 
 

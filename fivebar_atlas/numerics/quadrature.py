@@ -98,6 +98,12 @@ def cluster(v: float) -> float:
 
 
 @kernel
+def cluster_inverse(t: float) -> float:
+    """Return v in [0, 1] with 3 v² - 2 v³ = t, by the trigonometric formula for cubics."""
+    return 0.5 - math.sin(math.asin(min(max(1.0 - 2.0 * t, -1.0), 1.0)) / 3.0)
+
+
+@kernel
 def cluster_slope(v: float) -> float:
     """Return the derivative 6 v (1 - v) of :func:`cluster`."""
     return 6.0 * v * (1.0 - v)

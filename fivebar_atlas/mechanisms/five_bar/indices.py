@@ -202,6 +202,7 @@ def integrate_strips(
     columns = 2 * len(ratios) + 1
     p.best[:] = 0.0
     p.count[0] = p.pending_count[0] = 0
+    p.isotropic_count[0] = isotropic
     for strip in range(strips):
         _cut_at_isotropic_points(p, d, strip, isotropic, r1, r2)
     while True:

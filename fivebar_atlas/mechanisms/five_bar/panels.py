@@ -27,7 +27,12 @@ from fivebar_atlas.mechanisms.five_bar.rays import (
     Rays,
     set_samples,
 )
-from fivebar_atlas.numerics.quadrature import cluster, clustered_gauss_kronrod, kronrod_error
+from fivebar_atlas.numerics.quadrature import (
+    cluster,
+    cluster_inverse,
+    clustered_gauss_kronrod,
+    kronrod_error,
+)
 from fivebar_atlas.numerics.records import record_type
 
 IndexArray = npt.NDArray[np.int64]
@@ -40,6 +45,12 @@ ALONG_ORDERS = (7, 11, 15, 23, 31)
 COLUMNS = 2 * MAX_THRESHOLDS + 1
 #: Most cuts of a panel made at once; its parts are looked at again.
 MAX_LEVEL_CUTS = 32
+#: Most ends of pieces of one ray.
+MAX_CUTS = MAX_STATIONARY + MAX_CROSSINGS * MAX_THRESHOLDS + MAX_ISOTROPIC + 2
+#: A ray that passes an isotropic point within this share of its length is cut there,
+NEAR_CONE = 0.05
+#: unless it is cut at a stationary point that is as near in v.
+CONE_APART = 0.02
 #: Least shares of Kronrod minus Gauss that count as error: along rays; across rays, of
 #: ∫ LCI dW; and of integrals over good-condition workspaces, whose level curves may turn
 #: close to a panel's end.
@@ -80,6 +91,8 @@ class Panels(Protocol):
         Level of the rule for each piece of a ray, shape (cuts,).
     level_cuts
         Angles at which to cut a panel, shape (MAX_LEVEL_CUTS,).
+    isotropic_count
+        Number of isotropic points, shape (1,).
     isotropic
         Isotropic points of the working mode, shape (MAX_ISOTROPIC, 2).
     saved_q
@@ -116,6 +129,7 @@ class Panels(Protocol):
     cuts: FloatArray
     piece_level: IndexArray
     level_cuts: FloatArray
+    isotropic_count: IndexArray
     isotropic: FloatArray
     saved_q: FloatArray
     rays: Rays
@@ -140,9 +154,10 @@ PANELS = record_type(
         (name, np.float64, (COLUMNS,))
         for name in ("total", "total_error", "gauss", "row", "row_error", "along_error")
     ),
-    ("cuts", np.float64, (MAX_STATIONARY + MAX_CROSSINGS * MAX_THRESHOLDS + 2,)),
-    ("piece_level", np.int64, (MAX_STATIONARY + MAX_CROSSINGS * MAX_THRESHOLDS + 2,)),
+    ("cuts", np.float64, (MAX_CUTS,)),
+    ("piece_level", np.int64, (MAX_CUTS,)),
     ("level_cuts", np.float64, (MAX_LEVEL_CUTS,)),
+    ("isotropic_count", np.int64, (1,)),
     ("isotropic", np.float64, (MAX_ISOTROPIC, 2)),
     ("saved_q", np.float64, (2, MAX_STATIONARY)),
     ("best", np.float64, (6,)),
@@ -204,6 +219,22 @@ def _cut_ray(p: Panels, row: int, thresholds: int) -> int:
     for kind in range(thresholds):
         for j in range(rays.crossing_count[row, kind]):
             cuts[n] = rays.crossing_v[row, kind, j]
+            n += 1
+    low, length = rays.low[row], rays.length[row]
+    for k in range(p.isotropic_count[0]):
+        # a cone that the ray passes closely; where several are near each other, samples of q
+        # may see one stationary point for all of them
+        x, y = p.isotropic[k, 0], p.isotropic[k, 1]
+        along = x * rays.c[row] + y * rays.s[row]
+        across = y * rays.c[row] - x * rays.s[row]
+        if abs(across) > NEAR_CONE * length or not low < along < low + length:
+            continue
+        v = cluster_inverse((along - low) / length)
+        apart = True
+        for j in range(rays.stationary_count[row]):
+            apart = apart and abs(v - rays.stationary_v[row, j]) > CONE_APART
+        if apart:
+            cuts[n] = v
             n += 1
     for j in range(1, n):  # insertion sort of a few numbers
         v = cuts[j]
