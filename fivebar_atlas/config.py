@@ -9,7 +9,6 @@ does not enter the numbers.
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import os
 import tomllib
 from collections.abc import Iterator
@@ -219,11 +218,6 @@ def render(configuration: Configuration) -> str:
     else:
         lines.append(f"output = {_toml_text(str(configuration.output))}")
     return render_settings(configuration.settings) + "\n".join(lines) + "\n"
-
-
-def settings_hash(settings: SweepSettings) -> str:
-    """Return a SHA-256 over everything that determines the numbers, 64 hex digits."""
-    return hashlib.sha256(render_settings(settings).encode()).hexdigest()
 
 
 def _parse(text: str, source: str) -> ConfigurationFile:

@@ -28,7 +28,7 @@ from fivebar_atlas.mechanisms.five_bar.rays import (
     place_ray,
     scan_rays,
 )
-from fivebar_atlas.mechanisms.five_bar.workspace import Decomposition, contains
+from fivebar_atlas.mechanisms.five_bar.workspace import POINT_RADIUS, Decomposition, contains
 from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
 
 #: Stated errors are this many times the summed estimates.
@@ -153,7 +153,7 @@ def _cut_at_isotropic_points(
                 angle = math.atan2(p.isotropic[k, 1], p.isotropic[k, 0])
                 if angle < -0.5 * math.pi:
                     angle += 2.0 * math.pi
-            elif abs(r1 - r2) < 1e-9:
+            elif abs(r1 - r2) < POINT_RADIUS:
                 angle = 0.0 if k == isotropic else math.pi
             else:
                 continue

@@ -22,7 +22,12 @@ from fivebar_atlas.mechanisms.five_bar.singularity import (
     coupler_radius_rate,
     radius_along,
 )
-from fivebar_atlas.mechanisms.five_bar.workspace import LEAST_WIDTH, MAX_CELLS, Decomposition
+from fivebar_atlas.mechanisms.five_bar.workspace import (
+    LEAST_WIDTH,
+    MAX_CELLS,
+    POINT_RADIUS,
+    Decomposition,
+)
 from fivebar_atlas.numerics.records import record_type
 from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
 
@@ -31,8 +36,6 @@ AXIS_SAMPLES = 24
 #: Points of a coupler arc that bracket its nearest point.
 ARC_SAMPLES = 12
 MAX_ARCS = 2 * MAX_CELLS
-#: Inner reach circles smaller than this are points, the base joints.
-POINT_RADIUS = 1e-9
 #: Angle to which the nearest point of a coupler arc is found.
 ANGLE_TOLERANCE = 1e-13
 #: The centre is found to this accuracy (lengths sum to 3).

@@ -46,6 +46,8 @@ IndexArray = npt.NDArray[np.int64]
 
 #: Cells or necks narrower than this (lengths sum to 3) are rounding, not workspace.
 LEAST_WIDTH = 1e-10
+#: Inner reach circles smaller than this are points, the base joints.
+POINT_RADIUS = 1e-9
 MAX_CELLS = 8 * MAX_CRITICAL
 #: Rounding of a closed-form area, relative to the number of arcs times (r1 + r2)²: each
 #: is a difference of terms that large, however small it is itself.
