@@ -25,6 +25,7 @@ FASTMATH = frozenset({"contract", "arcp", "nsz", "reassoc"})
 
 _PACKAGE = Path(__file__).parent
 _SOURCES = ("jit.py", "numerics/*.py", "mechanisms/*/*.py")
+_MARK = b"@kernel"
 
 
 @functools.cache
@@ -34,13 +35,15 @@ def kernel_hash() -> str:
     Returns
     -------
     str
-        Sixteen hexadecimal digits; they change whenever any kernel's source does.
+        Sixteen hexadecimal digits; they change whenever a file with a kernel in it does.
     """
     digest = hashlib.sha256()
     for pattern in _SOURCES:
         for source in sorted(_PACKAGE.glob(pattern)):
-            digest.update(source.relative_to(_PACKAGE).as_posix().encode())
-            digest.update(source.read_bytes())
+            text = source.read_bytes()
+            if _MARK in text:
+                digest.update(source.relative_to(_PACKAGE).as_posix().encode())
+                digest.update(text)
     return digest.hexdigest()[:16]
 
 

@@ -1,8 +1,6 @@
 """Evaluate designs: every quantity of every mode pair, in one compiled loop.
 
-Mirror symmetry reduces the eight mode pairs to three computations: "+-"/up, "+-"/down and
-"++"/up. Mirroring y → -y takes (s1, s2) to (-s1, -s2) and up to down; mirroring x → -x takes
-(s1, s2) to (-s2, -s1) and keeps up and down.
+Mirror symmetry reduces the eight mode pairs to three computations; see :mod:`mirror`.
 """
 
 from __future__ import annotations
@@ -24,17 +22,16 @@ from fivebar_atlas.mechanisms.five_bar.inscribed_circle import (
 )
 from fivebar_atlas.mechanisms.five_bar.isotropy import isotropic_points
 from fivebar_atlas.mechanisms.five_bar.jacobian import threshold_ratio
+from fivebar_atlas.mechanisms.five_bar.mirror import CLASS_SIGNS, CLASSES, canonical_class
 from fivebar_atlas.mechanisms.five_bar.panels import PANELS, Panels, set_rules
 from fivebar_atlas.mechanisms.five_bar.rays import MAX_THRESHOLDS
 from fivebar_atlas.mechanisms.five_bar.workspace import (
     AREA_ROUNDING,
     DECOMPOSITION,
     Decomposition,
-    collect_strips,
-    decompose,
-    largest_component,
-    strips_area,
+    is_degenerate,
     theoretical_area,
+    usable_workspace,
 )
 from fivebar_atlas.numerics.records import allocate_record, record_type
 
@@ -48,8 +45,6 @@ NO_LOWER_INSCRIBED_CIRCLE = 16
 # Columns of one computation's result, before the thresholds' four columns each.
 AREA, AREA_ERROR, GCI, GCI_ERROR, MAX_LCI, MAX_X, MAX_Y = 0, 1, 2, 3, 4, 5, 6
 UPPER_RADIUS, UPPER_Y, LOWER_RADIUS, LOWER_Y, STATUS, FIXED = 7, 8, 9, 10, 11, 12
-
-CLASSES = 3
 
 
 class Scratch(Protocol):
@@ -104,17 +99,13 @@ def evaluate_class(
         out[FIXED + 4 * kind] = 0.0
         out[FIXED + 4 * kind + 1] = 0.0
     empty = EMPTY_USABLE_WORKSPACE | NO_UPPER_INSCRIBED_CIRCLE | NO_LOWER_INSCRIBED_CIRCLE
-    # one point is left of the workspace, or B1 = B2 for every P and det B vanishes identically
-    if r1 + r2 <= r3 or (r3 == 0.0 and s1 == s2):
+    if is_degenerate(r1, r2, r3, s1, s2):
         out[STATUS] = empty | DEGENERATE_DESIGN
         return
-    sectors = decompose(r1, r2, r3, s1, s2, assembly, d)
-    component, copies = largest_component(d, r1, r2, r3, s1 != s2, sectors)
-    strips, area, area_error = 0, 0.0, 0.0
-    if component >= 0:
-        strips = collect_strips(d, r1, r2, r3, sectors, component)
-        area, area_error = strips_area(d, r1, r2, r3, strips)
-    if area <= area_error:
+    sectors, component, strips, copies, area, area_error = usable_workspace(
+        r1, r2, r3, s1, s2, assembly, d
+    )
+    if component < 0:
         out[STATUS] = empty
         return
     status = 0
@@ -176,20 +167,8 @@ def evaluate_rows(
         r1, r2, r3 = designs[n, 0], designs[n, 1], designs[n, 2]
         theoretical[n] = theoretical_area(r1, r2, r3)
         for kind in classes:
-            s2 = 1.0 if kind == 2 else -1.0
-            assembly = -1.0 if kind == 1 else 1.0
-            evaluate_class(w, r1, r2, r3, 1.0, s2, assembly, ratios, tolerance, out[n, kind])
-
-
-def canonical_class(s1: int, s2: int, assembly: int) -> tuple[int, bool, bool]:
-    """Return the class of a mode pair and whether x and y are mirrored to reach it."""
-    if s1 != s2:
-        mirrored = s1 < 0
-        return (0 if assembly * s1 > 0 else 1), False, mirrored
-    mirror_y = assembly < 0
-    # (+, +)/up is left as it is by no mirror and reached from (-, -)/up by x → -x
-    mirror_x = (s1 < 0) != mirror_y
-    return 2, mirror_x, mirror_y
+            s1, s2, assembly = CLASS_SIGNS[kind]
+            evaluate_class(w, r1, r2, r3, s1, s2, assembly, ratios, tolerance, out[n, kind])
 
 
 def evaluate_designs(

@@ -11,7 +11,7 @@ from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.base import FloatArray, IntArray
 from fivebar_atlas.mechanisms.five_bar.jacobian import lci, matrices
 from fivebar_atlas.mechanisms.five_bar.kinematics import elbow, forward, inverse, reaches
-from fivebar_atlas.mechanisms.five_bar.singularity import singularity_kind
+from fivebar_atlas.mechanisms.five_bar.singularity import radius_along, singularity_kind
 
 
 @kernel
@@ -89,3 +89,12 @@ def singularity_at(
         out[k] = -1
         if reaches(r1, r2, r3, x[k], y[k]):
             out[k] = singularity_kind(r1, r2, r3, x[k], y[k], s1, s2, tolerance)
+
+
+@kernel
+def radii_along(
+    curve: int, r1: float, r2: float, r3: float, phi: FloatArray, out: FloatArray
+) -> None:
+    """Fill in the distances at which rays meet a curve that exists there."""
+    for k in range(len(phi)):
+        out[k] = radius_along(curve, r1, r2, r3, math.cos(phi[k]), math.sin(phi[k]))

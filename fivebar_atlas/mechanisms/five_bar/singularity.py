@@ -49,6 +49,9 @@ CURVES = 13
 
 #: Room for the critical angles of one design (at most 39 occur).
 MAX_CRITICAL = 48
+#: Designs this close to one at which curves begin to meet or to touch rays count as it: one
+#: angle too many does no harm, one too few would.
+SLACK = 1e-12
 #: Critical angles closer than this are one: nothing fits between them.
 LEAST_SECTOR = 1e-12
 
@@ -215,6 +218,38 @@ def _note_angle(angle: float, least: float, greatest: float, out: FloatArray, co
 
 
 @kernel
+def coupler_tangency(
+    r1: float, r2: float, r3: float, outer: bool
+) -> tuple[float, float, bool]:
+    """Return the direction from A1 to where C_col touches a reach circle of leg 1.
+
+    There A1, B1, P and B2 are in line, B2 at r1 ± 2 r2 from A1 and at r1 from A2.
+
+    Parameters
+    ----------
+    r1, r2, r3
+        Lengths.
+    outer
+        Whether the circle is C_1o, the leg stretched, or C_1i.
+
+    Returns
+    -------
+    tuple
+        Cosine, sine (not negative) and whether there is such a point.
+    """
+    twist = r2 if outer else -r2
+    scale = 4.0 * r3 * (r1 + 2.0 * twist)
+    if scale == 0.0:
+        return 0.0, 0.0, False
+    # 1 ∓ cosine, factored: exact where the point comes to lie on the x axis
+    below = 4.0 * (r3 - twist) * (r1 + twist - r3) / scale
+    above = 4.0 * (r3 + twist) * (r1 + twist + r3) / scale
+    if below < -SLACK or above < -SLACK:
+        return 0.0, 0.0, False
+    return 0.5 * (above - below), math.sqrt(max(below * above, 0.0)), True
+
+
+@kernel
 def critical_angles(
     r1: float, r2: float, r3: float, least: float, greatest: float, out: FloatArray
 ) -> int:
@@ -248,47 +283,42 @@ def critical_angles(
         side = 1.0 if mirror == 0 else -1.0
         for flip in range(2):
             up = 1.0 if flip == 0 else -1.0
-            if inner < r3:  # rays tangent to an inner reach circle
-                x = math.sqrt((r3 - inner) * (r3 + inner))
+            if inner <= r3 + SLACK:  # rays tangent to an inner reach circle
+                x = math.sqrt(max((r3 - inner) * (r3 + inner), 0.0))
                 n = _note_angle(math.atan2(up * inner, side * x), least, greatest, out, n)
             if r3 > 0.0:  # an outer circle meets the inner circle of the other leg
                 x = r1 * r2 / r3
                 y2 = (inner - (x - r3)) * (inner + (x - r3))
-                if y2 >= 0.0:
-                    n = _note_angle(
-                        math.atan2(up * math.sqrt(y2), side * x), least, greatest, out, n
-                    )
+                if y2 >= -SLACK:
+                    y = up * math.sqrt(max(y2, 0.0))
+                    n = _note_angle(math.atan2(y, side * x), least, greatest, out, n)
             if r1 >= r3:
                 # C_coin touches a reach circle where P is in line with A2 and F
                 for sign in range(2):
                     t = (r2 if sign == 0 else -r2) / r1
                     x, y = -side * t * r3, up * height * (1.0 + t)
                     n = _note_angle(math.atan2(y, x), least, greatest, out, n)
-                if height > r2:  # rays tangent to a fold circle
-                    y = up * math.sqrt((height - r2) * (height + r2))
+                if height >= r2 - SLACK:  # rays tangent to a fold circle
+                    y = up * math.sqrt(max((height - r2) * (height + r2), 0.0))
                     n = _note_angle(math.atan2(y, side * r2), least, greatest, out, n)
             # C_col touches a reach circle of leg 1 (2): A, B, P and the other elbow in line
             for sign in range(2):
-                elbow_reach = r1 + (2.0 * r2 if sign == 0 else -2.0 * r2)
-                p_reach = r1 + (r2 if sign == 0 else -r2)
-                if r3 > 0.0 and elbow_reach != 0.0:
-                    dx = (4.0 * r3 * r3 + (elbow_reach - r1) * (elbow_reach + r1)) / (
-                        4.0 * r3 * elbow_reach
-                    )
-                    if -1.0 <= dx <= 1.0:
-                        dy = math.sqrt((1.0 - dx) * (1.0 + dx))
-                        x, y = side * (p_reach * dx - r3), up * p_reach * dy
-                        n = _note_angle(math.atan2(y, x), least, greatest, out, n)
-            if r2 < r3:  # rays tangent to C_col
-                x = math.sqrt((r3 - r2) * (r3 + r2))
+                c, s, possible = coupler_tangency(r1, r2, r3, sign == 0)
+                if possible:
+                    p_reach = r1 + (r2 if sign == 0 else -r2)
+                    x, y = side * (p_reach * c - r3), up * p_reach * s
+                    n = _note_angle(math.atan2(y, x), least, greatest, out, n)
+            if r2 <= r3 + SLACK:  # rays tangent to C_col, or its branches cross
+                x = math.sqrt(max((r3 - r2) * (r3 + r2), 0.0))
                 n = _note_angle(math.atan2(up * x, side * r2), least, greatest, out, n)
             if r3 > 0.0:  # C_col passes through the origin
                 gap = r2 * r2 + r3 * r3 - r1 * r1
                 cos2 = (2.0 * r2 * r3 - gap) * (2.0 * r2 * r3 + gap)
                 whole = 4.0 * r1 * r1 * r3 * r3
-                if 0.0 <= cos2 <= whole:
-                    y = up * math.sqrt(whole - cos2)
-                    n = _note_angle(math.atan2(y, side * math.sqrt(cos2)), least, greatest, out, n)
+                if -SLACK <= cos2 <= whole + SLACK:
+                    x = side * math.sqrt(max(cos2, 0.0))
+                    y = up * math.sqrt(max(whole - cos2, 0.0))
+                    n = _note_angle(math.atan2(y, x), least, greatest, out, n)
     angles = out[:n]
     angles.sort()
     kept = 1

@@ -253,6 +253,15 @@ def decompose(
 
 
 @kernel
+def is_degenerate(r1: float, r2: float, r3: float, s1: float, s2: float) -> bool:
+    """Tell whether a design has no workspace to speak of in a working mode.
+
+    Only a point can be reached, or B1 = B2 for every P and det B vanishes identically.
+    """
+    return r1 + r2 <= r3 or (r3 == 0.0 and s1 == s2)
+
+
+@kernel
 def touches_axis(
     d: Decomposition, r1: float, r2: float, r3: float, sectors: int, component: int
 ) -> bool:
@@ -341,6 +350,39 @@ def strips_area(
         area += swept_area(d.strip_upper[strip], r1, r2, r3, start, end)
         area -= swept_area(d.strip_lower[strip], r1, r2, r3, start, end)
     return area, AREA_ROUNDING * 2.0 * strips * (r1 + r2) * (r1 + r2)
+
+
+@kernel
+def usable_workspace(
+    r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float, d: Decomposition
+) -> tuple[int, int, int, float, float, float]:
+    """Find the usable workspace of a mode pair and gather its strips.
+
+    Parameters
+    ----------
+    r1, r2, r3, s1, s2, assembly
+        Non-dimensional lengths and mode pair, as for :func:`decompose`.
+    d
+        Receives the decomposition and the strips.
+
+    Returns
+    -------
+    tuple
+        Number of sectors, component, number of strips; copies (2 where the strips are the
+        right half of a symmetric workspace), area of the strips and its rounding error. The
+        component is -1 where there is no workspace.
+    """
+    if is_degenerate(r1, r2, r3, s1, s2):
+        return 0, -1, 0, 0.0, 0.0, 0.0
+    sectors = decompose(r1, r2, r3, s1, s2, assembly, d)
+    component, copies = largest_component(d, r1, r2, r3, s1 != s2, sectors)
+    if component < 0:
+        return sectors, -1, 0, 0.0, 0.0, 0.0
+    strips = collect_strips(d, r1, r2, r3, sectors, component)
+    area, area_error = strips_area(d, r1, r2, r3, strips)
+    if area <= area_error:
+        return sectors, -1, 0, 0.0, 0.0, 0.0
+    return sectors, component, strips, copies, area, area_error
 
 
 @kernel

@@ -1,0 +1,288 @@
+"""One design of a mechanism whose output point moves in a plane, as figures and files need it.
+
+Everything here has the lengths of the machine: what a :class:`PlanarDesign` returns is in its
+``unit``, or non-dimensional where that is empty. Angles are in radians.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+import numpy as np
+
+from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
+
+#: What a joint is.
+ACTUATED, PASSIVE, OUTPUT = "actuated", "passive", "output"
+#: What a link is: the fixed base, driven by an actuator, or driven by other links.
+BASE, CRANK, DISTAL = "base", "crank", "distal"
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint of a linkage in a pose.
+
+    Attributes
+    ----------
+    symbol
+        The field's notation as mathtext, ``"$A_1$"``.
+    position
+        Where it is.
+    kind
+        ``ACTUATED``, ``PASSIVE`` or ``OUTPUT``.
+    """
+
+    symbol: str
+    position: Point
+    kind: str
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Link:
+    """A link of a linkage in a pose.
+
+    Attributes
+    ----------
+    symbol
+        The field's notation of its length as mathtext, ``"$r_1$"``; empty where it has none.
+    start, end
+        The joints at its ends, as places in the pose's joints.
+    kind
+        ``BASE``, ``CRANK`` or ``DISTAL``.
+    """
+
+    symbol: str
+    start: int
+    end: int
+    kind: str
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Pose:
+    """A linkage in one position.
+
+    Attributes
+    ----------
+    joints, links
+        The linkage.
+    inputs
+        Input angles in (-π, π].
+    mode
+        Mode pair it is in, ``"+-/up"``; at a parallel singularity the working mode alone.
+    lci
+        Local conditioning index.
+    """
+
+    joints: tuple[Joint, ...]
+    links: tuple[Link, ...]
+    inputs: tuple[float, ...]
+    mode: str
+    lci: float
+
+    @property
+    def output(self) -> Point:
+        """Position of the output point."""
+        return next(joint.position for joint in self.joints if joint.kind == OUTPUT)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class PathFault:
+    """The first point of a path at which it cannot be followed.
+
+    Attributes
+    ----------
+    segment
+        Number of the straight segment it lies on, from 0; a path of one point has segment 0.
+    share
+        Where on the segment, from 0 to 1.
+    position
+        The point.
+    curve, symbol, kind
+        The locus that is met there: name, notation and kind of singularity. Empty where the
+        path does not begin in the usable workspace for another reason.
+    reason
+        What is wrong, in a phrase.
+    """
+
+    segment: int
+    share: float
+    position: Point
+    curve: str
+    symbol: str
+    kind: str
+    reason: str
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class PathReport:
+    """Whether a path of straight segments can be followed in one mode pair, and how well.
+
+    Attributes
+    ----------
+    mode
+        The mode pair.
+    points
+        Corners of the path, shape (n, 2).
+    inputs
+        Input angles at the corners, continuous along the path, shape (n, inputs); NaN from
+        the first fault on.
+    lci
+        Local conditioning index at the corners, shape (n,); NaN from the first fault on.
+    distances
+        Distance of the corners from the nearest singular locus of the mode pair, shape (n,);
+        NaN from the first fault on.
+    nearest
+        Name of that locus; empty from the first fault on.
+    fault
+        The first fault, None where the whole path can be followed.
+    """
+
+    mode: str
+    points: FloatArray
+    inputs: FloatArray
+    lci: FloatArray
+    distances: FloatArray
+    nearest: tuple[str, ...]
+    fault: PathFault | None
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the whole path, between its corners too, can be followed."""
+        return self.fault is None
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Workspace:
+    """A usable workspace in the plane.
+
+    Attributes
+    ----------
+    region
+        Outline and holes as exact arcs.
+    area
+        Area as it is integrated; :attr:`Region.area` is the same by Green's theorem.
+    """
+
+    region: Region
+    area: float
+
+
+class PlanarDesign(ABC):
+    """One dimensioned design.
+
+    Attributes
+    ----------
+    mechanism
+        Name of the mechanism.
+    parameters
+        Symbol and length of every parameter, as drawn.
+    unit
+        Unit of all lengths; empty where they are non-dimensional.
+    factor
+        Dimensional factor D in that unit; 1 where lengths are non-dimensional.
+    """
+
+    mechanism: str
+    parameters: tuple[tuple[str, float], ...]
+    unit: str
+    factor: float
+
+    @abstractmethod
+    def remarks(self) -> tuple[str, ...]:
+        """Return what is special about the design, in phrases: sub-region, change points."""
+
+    @abstractmethod
+    def singular_loci(self, mode: str | None = None) -> tuple[NamedArc, ...]:
+        """Return the singular loci as arcs cut where they meet.
+
+        Parameters
+        ----------
+        mode
+            A mode pair or a working mode alone, for its loci only; None for all.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode.
+        """
+
+    @abstractmethod
+    def isolated_singular_points(self) -> tuple[Point, ...]:
+        """Return singular points that no arc passes through."""
+
+    @abstractmethod
+    def usable_workspace(self, mode: str) -> Workspace | None:
+        """Return the usable workspace of a mode pair, None where it is empty."""
+
+    @abstractmethod
+    def good_condition_workspace(self, lci_threshold: float, mode: str) -> tuple[Region, ...]:
+        """Return the parts of the usable workspace with at least this LCI, largest first.
+
+        Their boundary arcs are polylines whose corners lie on the level curve exactly.
+        """
+
+    @abstractmethod
+    def inscribed_circles(self, mode: str) -> tuple[CircleArc, ...]:
+        """Return the maximal inscribed circles of the usable workspace, those there are."""
+
+    @abstractmethod
+    def lci(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return the LCI at points in a working mode; NaN out of reach."""
+
+    @abstractmethod
+    def in_usable_workspace(self, x: FloatArray, y: FloatArray, mode: str) -> np.ndarray:
+        """Tell which points lie in the usable workspace of a mode pair."""
+
+    @abstractmethod
+    def pose(self, x: float, y: float, mode: str) -> Pose:
+        """Return the linkage with its output point at P, in a mode pair or working mode.
+
+        Raises
+        ------
+        InputError
+            If P cannot be reached; the message says by how much. If the mode pair is given
+            and P belongs to the other assembly mode.
+        """
+
+    @abstractmethod
+    def inverse_poses(self, x: float, y: float) -> tuple[Pose, ...]:
+        """Return the linkage with its output point at P in every working mode.
+
+        Raises
+        ------
+        InputError
+            If P cannot be reached; the message says by how much.
+        """
+
+    @abstractmethod
+    def forward_poses(self, inputs: Sequence[float]) -> tuple[Pose, ...]:
+        """Return the linkage for given input angles in every assembly mode.
+
+        Raises
+        ------
+        InputError
+            If there are too few or too many inputs, or the linkage cannot be assembled; the
+            message says by how much.
+        """
+
+    @abstractmethod
+    def check_path(self, points: FloatArray, mode: str) -> PathReport:
+        """Tell whether a path can be followed in a mode pair, exactly between its points too.
+
+        Parameters
+        ----------
+        points
+            Corners of the path, shape (n, 2), joined by straight segments.
+        mode
+            Mode pair.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode pair.
+        InputError
+            If the path has no points or one that is not finite.
+        """
