@@ -57,6 +57,37 @@ class UnknownNameError(InputError):
         self.known = known
 
 
+class OutOfReachError(InputError):
+    """A point that a linkage does not reach, or inputs for which it cannot be assembled.
+
+    Parameters
+    ----------
+    name
+        Name of the input, ``"P"``.
+    value
+        The coordinates or the angles.
+    allowed
+        What would have been allowed, ``{gap}`` in place of the length that is missing.
+    gap
+        That length.
+    unit
+        Its unit; empty where it is non-dimensional.
+    """
+
+    def __init__(
+        self, name: str, value: tuple[float, ...], allowed: str, gap: float, unit: str = ""
+    ) -> None:
+        length = f"{gap:.6g} {unit}".rstrip()
+        super().__init__(name, value, allowed.format(gap=length))
+        self.gap = gap
+        self._template = allowed
+
+    def scaled(self, factor: float, unit: str, scale_value: bool) -> OutOfReachError:
+        """Return the same error with lengths times a factor, in a unit."""
+        value = tuple(factor * part for part in self.value) if scale_value else self.value
+        return OutOfReachError(self.name, value, self._template, factor * self.gap, unit)
+
+
 class FileError(AtlasError):
     """A file cannot be read, is not what it should be, or cannot be written.
 

@@ -194,9 +194,7 @@ class CircleArc(Arc):
     end: Point
 
     @classmethod
-    def of_angles(
-        cls, centre: Point, radius: float, start_angle: float, sweep: float
-    ) -> CircleArc:
+    def of_angles(cls, centre: Point, radius: float, start_angle: float, sweep: float) -> CircleArc:
         """Return the arc with end points computed from its angles."""
         ends = [
             (centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle))
@@ -291,6 +289,66 @@ class CircleArc(Arc):
         angle = self.start_angle + (self.sweep if at_end else 0.0)
         sign = math.copysign(1.0, self.sweep)
         return -sign * math.sin(angle), sign * math.cos(angle)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class PolylineArc(Arc):
+    """Straight segments between points that lie on a curve, where it has no closed form.
+
+    Attributes
+    ----------
+    corners
+        Shape (n, 2), n at least 2; the last repeats the first where the arc is closed.
+    """
+
+    corners: FloatArray
+
+    @property
+    def start(self) -> Point:  # type: ignore[override]
+        """First point."""
+        return float(self.corners[0, 0]), float(self.corners[0, 1])
+
+    @property
+    def end(self) -> Point:  # type: ignore[override]
+        """Last point."""
+        return float(self.corners[-1, 0]), float(self.corners[-1, 1])
+
+    def points(self, shares: FloatArray) -> FloatArray:
+        """Return points of the segments; every segment has the same share."""
+        places = np.linspace(0.0, 1.0, len(self.corners))
+        return np.column_stack([np.interp(shares, places, column) for column in self.corners.T])
+
+    def swept_area(self) -> float:
+        """Return ½ Σ cross(P_k, P_k+1)."""
+        x, y = self.corners.T
+        return 0.5 * math.fsum(x[:-1] * y[1:] - x[1:] * y[:-1])
+
+    def reversed(self) -> PolylineArc:
+        """Return the arc run through the other way."""
+        return PolylineArc(self.corners[::-1])
+
+    def scaled(self, factor: float) -> PolylineArc:
+        """Return the arc with all lengths times a positive factor."""
+        return PolylineArc(factor * self.corners)
+
+    def mirrored(self, x: bool, y: bool) -> PolylineArc:
+        """Return the image under x → -x and (or) y → -y."""
+        return PolylineArc(self.corners * np.array([-1.0 if x else 1.0, -1.0 if y else 1.0]))
+
+    def polyline(self, deviation: float) -> FloatArray:  # noqa: ARG002
+        """Return the corners: all that is known of the curve."""
+        return self.corners.copy()
+
+    def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the distances of points from the segments and the points next to them."""
+        starts, along = self.corners[:-1], np.diff(self.corners, axis=0)
+        squares = np.maximum((along**2).sum(axis=1), 1e-300)
+        shares = ((points[:, None] - starts) * along).sum(axis=2) / squares
+        feet = starts + np.clip(shares, 0.0, 1.0)[:, :, None] * along
+        gaps = np.hypot(*(points[:, None] - feet).transpose(2, 0, 1))
+        best = np.argmin(gaps, axis=1)
+        rows = np.arange(len(points))
+        return gaps[rows, best], feet[rows, best]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -447,9 +505,7 @@ def closed_loop(arcs: Sequence[NamedArc]) -> Loop:
     """Return a loop of arcs in order, each told what there is at its ends."""
     if len(arcs) == 1 and arcs[0].ends == (CLOSED, CLOSED):
         return Loop(tuple(arcs))
-    kinds = [
-        meeting(one.arc, two.arc) for one, two in zip(arcs, [*arcs[1:], arcs[0]], strict=True)
-    ]
+    kinds = [meeting(one.arc, two.arc) for one, two in zip(arcs, [*arcs[1:], arcs[0]], strict=True)]
     return Loop(
         tuple(
             dataclasses.replace(each, ends=(kinds[place - 1], kinds[place]))

@@ -11,12 +11,15 @@ from __future__ import annotations
 import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
+
+if TYPE_CHECKING:
+    from fivebar_atlas.mechanisms.planar import PlanarDesign
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -418,6 +421,29 @@ class Mechanism(ABC):
             if not np.isfinite(value):
                 raise InputError(parameter.name, value, "a finite number")
         return np.array(lengths, dtype=np.float64), 1.0
+
+    def planar_design(
+        self,
+        lengths: Sequence[float],  # noqa: ARG002
+        unit: str | None = None,  # noqa: ARG002
+    ) -> PlanarDesign:
+        """Return one design for figures and files of its geometry.
+
+        Parameters
+        ----------
+        lengths
+            One number for each parameter.
+        unit
+            Unit of the lengths; ``""`` for the non-dimensional design, whatever the lengths.
+            Where nothing is said it is mm, or ``""`` if the lengths are non-dimensional
+            already (D = 1).
+
+        Raises
+        ------
+        InputError
+            If the lengths make no mechanism, or its output does not move in a plane.
+        """
+        raise InputError("mechanism", self.name, "a mechanism whose output point moves in a plane")
 
     def check_count(self, lengths: Sequence[float]) -> None:
         """Raise InputError unless there is one number for each parameter."""

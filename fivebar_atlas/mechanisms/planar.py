@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import dataclasses
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
-import numpy as np
-
+from fivebar_atlas.errors import OutOfReachError
 from fivebar_atlas.mechanisms.base import FloatArray
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
@@ -171,24 +171,27 @@ class Workspace:
 
 
 class PlanarDesign(ABC):
-    """One dimensioned design.
+    """One dimensioned design."""
 
-    Attributes
-    ----------
-    mechanism
-        Name of the mechanism.
-    parameters
-        Symbol and length of every parameter, as drawn.
-    unit
-        Unit of all lengths; empty where they are non-dimensional.
-    factor
-        Dimensional factor D in that unit; 1 where lengths are non-dimensional.
-    """
+    @property
+    @abstractmethod
+    def mechanism(self) -> str:
+        """Name of the mechanism."""
 
-    mechanism: str
-    parameters: tuple[tuple[str, float], ...]
-    unit: str
-    factor: float
+    @property
+    @abstractmethod
+    def parameters(self) -> tuple[tuple[str, float], ...]:
+        """Symbol and length of every parameter."""
+
+    @property
+    @abstractmethod
+    def unit(self) -> str:
+        """Unit of all lengths; empty where they are non-dimensional."""
+
+    @property
+    @abstractmethod
+    def factor(self) -> float:
+        """Dimensional factor D in that unit; 1 where lengths are non-dimensional."""
 
     @abstractmethod
     def remarks(self) -> tuple[str, ...]:
@@ -233,8 +236,11 @@ class PlanarDesign(ABC):
         """Return the LCI at points in a working mode; NaN out of reach."""
 
     @abstractmethod
-    def in_usable_workspace(self, x: FloatArray, y: FloatArray, mode: str) -> np.ndarray:
-        """Tell which points lie in the usable workspace of a mode pair."""
+    def lci_inside(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return the LCI at points of the usable workspace of a mode pair, 0 elsewhere.
+
+        A continuous function of the plane: LCI is 0 on the boundary.
+        """
 
     @abstractmethod
     def pose(self, x: float, y: float, mode: str) -> Pose:
@@ -286,3 +292,124 @@ class PlanarDesign(ABC):
         InputError
             If the path has no points or one that is not finite.
         """
+
+
+class ScaledDesign(PlanarDesign):
+    """A non-dimensional design as the machine with lengths times the dimensional factor.
+
+    Parameters
+    ----------
+    design
+        The non-dimensional design.
+    factor
+        Dimensional factor D, positive.
+    unit
+        Unit of D.
+    """
+
+    def __init__(self, design: PlanarDesign, factor: float, unit: str) -> None:
+        self._design = design
+        self._factor = factor
+        self._unit = unit
+
+    @property
+    def mechanism(self) -> str:
+        """Name of the mechanism."""
+        return self._design.mechanism
+
+    @property
+    def unit(self) -> str:
+        """Unit of all lengths."""
+        return self._unit
+
+    @property
+    def factor(self) -> float:
+        """Dimensional factor D in that unit."""
+        return self._factor
+
+    @property
+    def parameters(self) -> tuple[tuple[str, float], ...]:
+        """Symbol and length of every parameter; dimensional lengths have capital letters."""
+        return tuple(
+            (symbol.upper(), self.factor * value) for symbol, value in self._design.parameters
+        )
+
+    def remarks(self) -> tuple[str, ...]:
+        """Return what is special about the design."""
+        return self._design.remarks()
+
+    def singular_loci(self, mode: str | None = None) -> tuple[NamedArc, ...]:
+        """Return the singular loci as arcs cut where they meet."""
+        return tuple(each.scaled(self.factor) for each in self._design.singular_loci(mode))
+
+    def isolated_singular_points(self) -> tuple[Point, ...]:
+        """Return singular points that no arc passes through."""
+        return tuple(self._out(point) for point in self._design.isolated_singular_points())
+
+    def usable_workspace(self, mode: str) -> Workspace | None:
+        """Return the usable workspace of a mode pair, None where it is empty."""
+        found = self._design.usable_workspace(mode)
+        if found is None:
+            return None
+        return Workspace(found.region.scaled(self.factor), self.factor**2 * found.area)
+
+    def good_condition_workspace(self, lci_threshold: float, mode: str) -> tuple[Region, ...]:
+        """Return the parts of the usable workspace with at least this LCI, largest first."""
+        parts = self._design.good_condition_workspace(lci_threshold, mode)
+        return tuple(part.scaled(self.factor) for part in parts)
+
+    def inscribed_circles(self, mode: str) -> tuple[CircleArc, ...]:
+        """Return the maximal inscribed circles of the usable workspace, those there are."""
+        return tuple(circle.scaled(self.factor) for circle in self._design.inscribed_circles(mode))
+
+    def lci(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return the LCI at points in a working mode; NaN out of reach."""
+        return self._design.lci(x / self.factor, y / self.factor, mode)
+
+    def lci_inside(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return the LCI at points of the usable workspace of a mode pair, 0 elsewhere."""
+        return self._design.lci_inside(x / self.factor, y / self.factor, mode)
+
+    def pose(self, x: float, y: float, mode: str) -> Pose:
+        """Return the linkage with its output point at P, in a mode pair or working mode."""
+        with self._in_this_unit(scale_value=True):
+            return self._pose(self._design.pose(x / self.factor, y / self.factor, mode))
+
+    def inverse_poses(self, x: float, y: float) -> tuple[Pose, ...]:
+        """Return the linkage with its output point at P in every working mode."""
+        with self._in_this_unit(scale_value=True):
+            poses = self._design.inverse_poses(x / self.factor, y / self.factor)
+            return tuple(self._pose(pose) for pose in poses)
+
+    def forward_poses(self, inputs: Sequence[float]) -> tuple[Pose, ...]:
+        """Return the linkage for given input angles in every assembly mode."""
+        with self._in_this_unit(scale_value=False):
+            return tuple(self._pose(pose) for pose in self._design.forward_poses(inputs))
+
+    def check_path(self, points: FloatArray, mode: str) -> PathReport:
+        """Tell whether a path can be followed in a mode pair, exactly between its points too."""
+        report = self._design.check_path(points / self.factor, mode)
+        fault = report.fault
+        if fault is not None:
+            fault = dataclasses.replace(fault, position=self._out(fault.position))
+        return dataclasses.replace(
+            report, points=points, distances=self.factor * report.distances, fault=fault
+        )
+
+    def _out(self, point: Point) -> Point:
+        return self.factor * point[0], self.factor * point[1]
+
+    def _pose(self, pose: Pose) -> Pose:
+        joints = tuple(
+            dataclasses.replace(joint, position=self._out(joint.position)) for joint in pose.joints
+        )
+        links = tuple(dataclasses.replace(link, symbol=link.symbol.upper()) for link in pose.links)
+        return dataclasses.replace(pose, joints=joints, links=links)
+
+    @contextmanager
+    def _in_this_unit(self, scale_value: bool) -> Iterator[None]:
+        """Tell what is out of reach in the lengths of the machine."""
+        try:
+            yield
+        except OutOfReachError as error:
+            raise error.scaled(self.factor, self.unit, scale_value) from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
+from fivebar_atlas.level_curves import SampledField, level_regions
 from fivebar_atlas.mechanisms.base import (
     DEFAULT_LCI_THRESHOLDS,
     DEFAULT_TOLERANCE,
@@ -18,22 +20,37 @@ from fivebar_atlas.mechanisms.base import (
     SweepSettings,
 )
 from fivebar_atlas.mechanisms.five_bar import points
-from fivebar_atlas.mechanisms.five_bar.design_space import SUB_REGIONS, normalise, sub_region
+from fivebar_atlas.mechanisms.five_bar.design_space import (
+    OUTSIDE,
+    SUB_REGIONS,
+    normalise,
+    sub_region,
+)
+from fivebar_atlas.mechanisms.five_bar.loci import isolated_points, mode_label, singular_arcs
 from fivebar_atlas.mechanisms.five_bar.mechanism import (
     ASSEMBLY_MODES,
+    WORKING_MODES,
     FiveBarMechanism,
     mode_signs,
 )
+from fivebar_atlas.mechanisms.five_bar.outline import UsableWorkspace, usable_workspace_of
+from fivebar_atlas.mechanisms.five_bar.poses import forward_poses, inverse_poses, pose_at
 from fivebar_atlas.mechanisms.five_bar.singularity import change_point_cases
 from fivebar_atlas.mechanisms.five_bar.workspace import theoretical_area
+from fivebar_atlas.mechanisms.planar import PathReport, PlanarDesign, Pose
+from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
 _MECHANISM = FiveBarMechanism()
 #: How far r1 + r2 + r3 may be from 3.
 _SUM_SLACK = 1e-9
+# Grid cells along a workspace from which its level curves start.
+_LEVEL_CELLS = 400
+# Chords of an outline leave it by no more than this where its extent is all that matters.
+_OUTLINE_DEVIATION = 1e-3
 
 
 @dataclasses.dataclass(frozen=True)
-class FiveBar:
+class FiveBar(PlanarDesign):
     """A symmetric planar 5R parallel manipulator in non-dimensional form.
 
     A1 = (-r3, 0) and A2 = (r3, 0) are the base joints, r1 the actuated links A_iB_i and r2
@@ -116,6 +133,39 @@ class FiveBar:
         return change_point_cases(self.r1, self.r2, self.r3)
 
     @property
+    def mechanism(self) -> str:
+        """Name of the mechanism."""
+        return _MECHANISM.name
+
+    @property
+    def unit(self) -> str:
+        """Empty: points and lengths are non-dimensional."""
+        return ""
+
+    @property
+    def factor(self) -> float:
+        """1: points and lengths are non-dimensional."""
+        return 1.0
+
+    @property
+    def parameters(self) -> tuple[tuple[str, float], ...]:
+        """Symbol and value of r1, r2 and r3."""
+        symbols = (parameter.symbol for parameter in _MECHANISM.parameters)
+        return tuple(zip(symbols, self._lengths, strict=True))
+
+    def remarks(self) -> tuple[str, ...]:
+        """Return sub-region and conditions for singularities of the third kind, in words."""
+        cases = self.change_point_cases
+        is_outside = int(sub_region(self._design)[0]) == OUTSIDE
+        place = "workspace not surrounded" if is_outside else f"sub-region {self.sub_region}"
+        found = [place]
+        if set(cases) - {"f"}:
+            found.append(f"change-point manipulator ({', '.join(sorted(set(cases) - {'f'}))})")
+        if "f" in cases:
+            found.append("singular throughout in ++ and −− (f)")
+        return tuple(found)
+
+    @property
     def theoretical_workspace_area(self) -> float:
         """Area that both legs reach, in closed form."""
         return theoretical_area(self.r1, self.r2, self.r3)
@@ -194,6 +244,160 @@ class FiveBar:
         points.singularity_at(*self._lengths, *flat, *_working_mode(mode), tolerance, out)
         return out.reshape(shape)
 
+    def singular_loci(self, mode: str | None = None) -> tuple[NamedArc, ...]:
+        """Return the singular loci as exact arcs, cut where they meet (Sec. 4, 6; Figs. 3, 5).
+
+        Parameters
+        ----------
+        mode
+            A mode pair or a working mode alone, for its loci only; None for all.
+
+        Returns
+        -------
+        tuple of NamedArc
+            Parts of reach circles that the other leg does not reach are left out. ``sides``
+            says for which mode pairs an arc is singular, and on which side of it they are.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode.
+        """
+        return singular_arcs(self._lengths, _pairs(mode))
+
+    def isolated_singular_points(self) -> tuple[Point, ...]:
+        """Return the base joints where r1 = r2: there C_1i and C_2i are points."""
+        return isolated_points(self._lengths)
+
+    def usable_workspace(self, mode: str = "+-/up") -> UsableWorkspace | None:
+        """Return the usable workspace of a mode pair (Sec. 7), None where it is empty.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode pair.
+        """
+        return _workspace(self._lengths, mode_signs(_MECHANISM.parse_mode(mode)))
+
+    def good_condition_workspace(
+        self, lci_threshold: float = 0.5, mode: str = "+-/up"
+    ) -> tuple[Region, ...]:
+        """Return the parts of the usable workspace with at least this LCI, largest first.
+
+        Their boundaries are polylines with corners exactly on the level curve, some 0.01
+        apart (Sec. 9.2, step 1; Fig. 13). Exact areas come from :meth:`evaluate`.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode pair.
+        InputError
+            If the threshold is not above 0 and below 1.
+        """
+        _MECHANISM.check_thresholds([lci_threshold], "lci_threshold")
+        workspace = self.usable_workspace(mode)
+        if workspace is None:
+            return ()
+        corners = np.concatenate(workspace.region.polygons(_OUTLINE_DEVIATION))
+        field = SampledField.over(
+            workspace.lci, corners.min(axis=0), corners.max(axis=0), _LEVEL_CELLS
+        )
+        return level_regions(field, lci_threshold, "LCI", r"$1/\kappa_J$")
+
+    def inscribed_circles(self, mode: str = "+-/up") -> tuple[CircleArc, ...]:
+        """Return the maximal inscribed circles with centres on the y axis, upper one first.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode pair.
+        """
+        values = self.evaluate(mode, (), _MECHANISM.tolerance_range[1])
+        circles = (values["mic_upper"], values["mic_lower"])
+        return tuple(
+            CircleArc.whole((0.0, circle["y"]), circle["radius"])
+            for circle in circles
+            if circle["radius"] is not None
+        )
+
+    def lci_inside(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-/up") -> FloatArray:
+        """Return the LCI at points of the usable workspace of a mode pair, 0 elsewhere."""
+        workspace = self.usable_workspace(mode)
+        if workspace is None:
+            return np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y)))
+        return workspace.lci(x, y)
+
+    def pose(self, x: float, y: float, mode: str = "+-") -> Pose:
+        """Return the linkage with its output point at P, in a mode pair or working mode.
+
+        Raises
+        ------
+        OutOfReachError
+            If P cannot be reached; the message says by how much.
+        UnknownNameError
+            If there is no such mode.
+        InputError
+            If an assembly mode is given and P belongs to the other one.
+        """
+        signs = _pairs(mode)
+        found = pose_at(self._lengths, x, y, *signs[0][:2])
+        if len(signs) == 1 and "/" in found.mode and found.mode != mode_label(signs[0]):
+            raise InputError("P", (x, y), f"a point of {mode_label(signs[0])}; it is {found.mode}")
+        return found
+
+    def inverse_poses(self, x: float, y: float) -> tuple[Pose, ...]:
+        """Return the linkage with its output point at P in all four working modes (Eq. 7).
+
+        Raises
+        ------
+        OutOfReachError
+            If P cannot be reached; the message says by how much.
+        """
+        return inverse_poses(self._lengths, x, y)
+
+    def forward_poses(self, inputs: Sequence[float]) -> tuple[Pose, ...]:
+        """Return the linkage for θ1, θ2 in radians, assembled up and down (Eq. 12).
+
+        Raises
+        ------
+        InputError
+            If there are not two finite angles.
+        OutOfReachError
+            If the linkage cannot be assembled; the message says by how much.
+        """
+        angles = tuple(float(angle) for angle in inputs)
+        if len(angles) != 2 or not np.all(np.isfinite(angles)):
+            raise InputError("inputs", angles, "two finite angles θ1 and θ2")
+        return forward_poses(self._lengths, *angles)
+
+    def check_path(self, points: npt.ArrayLike, mode: str = "+-/up") -> PathReport:
+        """Tell whether a path of straight segments can be followed, exactly between its points.
+
+        Parameters
+        ----------
+        points
+            Corners of the path, shape (n, 2).
+        mode
+            Mode pair that is kept throughout.
+
+        Returns
+        -------
+        PathReport
+            Continuous input angles, LCI and distance from the nearest locus at the corners,
+            and the first fault if there is one.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode pair.
+        InputError
+            If there are no points, or one is not finite.
+        """
+        from fivebar_atlas.mechanisms.five_bar.path import check_path
+
+        signs = mode_signs(_MECHANISM.parse_mode(mode))
+        return check_path(self._lengths, signs, np.asarray(points, dtype=np.float64))
+
     def evaluate(
         self,
         mode: str = "+-/up",
@@ -249,6 +453,28 @@ class FiveBar:
     def _design(self) -> FloatArray:
         """The design as one row of a parameter array."""
         return np.array([self._lengths])
+
+
+@functools.lru_cache(maxsize=64)
+def _workspace(
+    lengths: tuple[float, float, float], signs: tuple[int, int, int]
+) -> UsableWorkspace | None:
+    """Return a usable workspace; the last ones are kept."""
+    return usable_workspace_of(lengths, signs)
+
+
+def _pairs(mode: str | None) -> tuple[tuple[int, int, int], ...]:
+    """Return all mode pairs, the two of a working mode, or the one that is named."""
+    if mode is None:
+        labels = _MECHANISM.modes
+    elif "/" in mode:
+        labels = (_MECHANISM.parse_mode(mode),)
+    else:
+        try:
+            labels = tuple(_MECHANISM.parse_mode(f"{mode}/{name}") for name in ("up", "down"))
+        except UnknownNameError:
+            raise UnknownNameError("mode", mode, WORKING_MODES.meanings) from None
+    return tuple(mode_signs(label) for label in labels)
 
 
 def _points(

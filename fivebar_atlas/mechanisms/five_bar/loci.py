@@ -57,7 +57,6 @@ from fivebar_atlas.planar_geometry import (
     LEFT,
     RIGHT,
     TANGENCY,
-    Arc,
     CircleArc,
     NamedArc,
     Point,
@@ -174,17 +173,17 @@ def vertices(lengths: Lengths) -> tuple[Point, ...]:
     r1, r2, r3 = lengths
     outer, inner = r1 + r2, abs(r1 - r2)
     half: list[Point] = []  # in the quadrant x, y ≥ 0 or mirrored into the others below
-    for radius in (outer, inner):
-        if radius >= r3:
-            half.append((0.0, math.sqrt((radius - r3) * (radius + r3))))
+    half.extend(
+        (0.0, math.sqrt((radius - r3) * (radius + r3))) for radius in (outer, inner) if radius >= r3
+    )
     if r3 > 0.0:
         x = r1 * r2 / r3
         y2 = (inner - (x - r3)) * (inner + (x - r3))
         if y2 >= 0.0:
             half.append((x, math.sqrt(y2)))
     if r1 >= r3:
-        for share in (r2 / r1, -r2 / r1):
-            half.append((share * r3, fold_height(r1, r3) * (1.0 + share)))
+        height = fold_height(r1, r3)
+        half.extend((share * r3, height * (1.0 + share)) for share in (r2 / r1, -r2 / r1))
     for outside, reach in ((True, r1 + r2), (False, r1 - r2)):
         cosine, sine, possible = coupler_tangency(r1, r2, r3, outside)
         if possible:
@@ -276,6 +275,17 @@ def _fold_arcs(
     yield from _circle_arcs(lengths, curve, (0.0, height), r2, corners, sides)
 
 
+@dataclasses.dataclass(frozen=True, slots=True)
+class _Piece:
+    """A piece of a circle between two vertices, and what it borders on."""
+
+    start_angle: float
+    sweep: float
+    start: Point
+    end: Point
+    sides: dict[str, str]
+
+
 def _circle_arcs(
     lengths: Lengths,
     curve: Curve,
@@ -285,48 +295,42 @@ def _circle_arcs(
     sides: Callable[[float, float], dict[str, str]],
 ) -> Iterator[NamedArc]:
     """Cut a circle at the vertices on it; yield the arcs that border on something."""
-    on_it = [
-        corner
-        for corner in corners
-        if abs(math.dist(corner, centre) - radius) <= _SAME
-    ]
-    turns = sorted(
-        (math.atan2(corner[1] - centre[1], corner[0] - centre[0]), corner) for corner in on_it
-    )
-    pieces: list[tuple[float, float, Point | None, Point | None, dict[str, str]]] = []
-    for place, (start, corner) in enumerate(turns):
-        end, following = turns[(place + 1) % len(turns)]
-        sweep = end - start if place + 1 < len(turns) else end - start + 2.0 * math.pi
-        middle = start + 0.5 * sweep
-        x, y = centre[0] + radius * math.cos(middle), centre[1] + radius * math.sin(middle)
-        pieces.append((start, sweep, corner, following, sides(x, y)))
-    if not turns:
-        x, y = centre[0] + radius, centre[1]
-        pieces = [(0.0, 2.0 * math.pi, None, None, sides(x, y))]
+
+    def sides_at(angle: float) -> dict[str, str]:
+        return sides(centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle))
+
+    on_it = [corner for corner in corners if abs(math.dist(corner, centre) - radius) <= _SAME]
+    turns = sorted((math.atan2(y - centre[1], x - centre[0]), (x, y)) for x, y in on_it)
+    pieces = []
+    for place, (angle, corner) in enumerate(turns):
+        next_angle, following = turns[(place + 1) % len(turns)]
+        sweep = next_angle - angle
+        if place + 1 == len(turns):
+            sweep += 2.0 * math.pi
+        pieces.append(_Piece(angle, sweep, corner, following, sides_at(angle + 0.5 * sweep)))
     # neighbours that border on the same are one arc; begin after a change
     first = next(
-        (place for place in range(len(pieces)) if pieces[place][4] != pieces[place - 1][4]), None
+        (place for place in range(len(pieces)) if pieces[place].sides != pieces[place - 1].sides),
+        None,
     )
     if first is None:
-        if pieces[0][4]:
-            yield NamedArc(
-                curve.name, curve.symbol, curve.kind, CircleArc.whole(centre, radius),
-                (CLOSED, CLOSED), pieces[0][4],
-            )  # fmt: skip
+        whole = pieces[0].sides if pieces else sides_at(0.0)
+        if whole:
+            arc = CircleArc.whole(centre, radius)
+            yield NamedArc(curve.name, curve.symbol, curve.kind, arc, (CLOSED, CLOSED), whole)
         return
-    ordered = pieces[first:] + pieces[:first]
-    merged: list[tuple[float, float, Point | None, Point | None, dict[str, str]]] = []
-    for piece in ordered:
-        if merged and merged[-1][4] == piece[4]:
-            start, sweep, corner, _, tags = merged[-1]
-            merged[-1] = (start, sweep + piece[1], corner, piece[3], tags)
+    merged: list[_Piece] = []
+    for piece in pieces[first:] + pieces[:first]:
+        if merged and merged[-1].sides == piece.sides:
+            sweep = merged[-1].sweep + piece.sweep
+            merged[-1] = dataclasses.replace(merged[-1], sweep=sweep, end=piece.end)
         else:
             merged.append(piece)
-    for start, sweep, corner, following, tags in merged:
-        if tags and corner is not None and following is not None:
-            arc = CircleArc(centre, radius, start, sweep, corner, following)
-            ends = (_kind_of_vertex(lengths, corner), _kind_of_vertex(lengths, following))
-            yield NamedArc(curve.name, curve.symbol, curve.kind, arc, ends, tags)
+    for piece in merged:
+        if piece.sides:
+            arc = CircleArc(centre, radius, piece.start_angle, piece.sweep, piece.start, piece.end)
+            ends = (_kind_of_vertex(lengths, piece.start), _kind_of_vertex(lengths, piece.end))
+            yield NamedArc(curve.name, curve.symbol, curve.kind, arc, ends, piece.sides)
 
 
 def _kind_of_vertex(lengths: Lengths, vertex: Point) -> str:
@@ -385,7 +389,7 @@ def _coupler_chains(lengths: Lengths, s1: int, s2: int) -> list[list[Piece]]:
     chains: list[list[Piece]] = []
     for curve in (COUPLER_PLUS, COUPLER_MINUS):
         run: list[Piece] = []
-        for start, end in zip(angles[: count - 1], angles[1:count], strict=True):
+        for start, end in itertools.pairwise(angles[:count]):
             middle = 0.5 * (start + end)
             c, s = math.cos(middle), math.sin(middle)
             if exists(curve, *lengths, c, s) and belongs_to_mode(curve, *lengths, c, s, s1, s2):
@@ -400,7 +404,10 @@ def _coupler_chains(lengths: Lengths, s1: int, s2: int) -> list[list[Piece]]:
 
 
 def joined_chains(lengths: Lengths, chains: list[list[Piece]]) -> list[list[Piece]]:
-    """Join chains that go on in one another: where φ starts anew, at rays touched, at the origin."""
+    """Join chains that go on in one another.
+
+    They do where φ begins anew, where the curve touches a ray, and at the origin.
+    """
     for one, two in itertools.combinations(chains, 2):
         for first, second in itertools.product((one, _turned(one)), (two, _turned(two))):
             end = polar_point(lengths, first[-1][0], first[-1][2])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,9 @@ from fivebar_atlas.mechanisms.base import (
     plain,
 )
 from fivebar_atlas.mechanisms.five_bar import design_space
+
+if TYPE_CHECKING:
+    from fivebar_atlas.mechanisms.planar import PlanarDesign
 
 #: Codes of the columns that name a mode pair. An assembly mode is the sign of det B.
 WORKING_MODES = Flags(values=(0, 1, 2, 3), meanings=("+-", "-+", "++", "--"))
@@ -255,6 +258,18 @@ class FiveBarMechanism(Mechanism):
         """Scale R1, R2, R3 by D = (R1 + R2 + R3)/3; see :func:`design_space.normalise`."""
         self.check_count(lengths)
         return design_space.normalise(lengths)
+
+    def planar_design(self, lengths: Sequence[float], unit: str | None = None) -> PlanarDesign:
+        """Return one design for figures and files of its geometry."""
+        from fivebar_atlas.mechanisms.five_bar.five_bar import FiveBar
+        from fivebar_atlas.mechanisms.planar import ScaledDesign
+
+        self.check_count(lengths)
+        robot = FiveBar.from_lengths(*lengths)
+        scale = robot.dimensional_factor
+        if unit is None:
+            unit = "" if scale == 1.0 else "mm"
+        return ScaledDesign(robot, scale, unit) if unit else robot
 
     def document(
         self, parameters: FloatArray, factor: float, settings: SweepSettings, results: Results

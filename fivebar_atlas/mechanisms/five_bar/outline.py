@@ -13,6 +13,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from fivebar_atlas.mechanisms.five_bar.coupler_curve import CouplerArc
 from fivebar_atlas.mechanisms.five_bar.loci import (
@@ -32,23 +33,23 @@ from fivebar_atlas.mechanisms.five_bar.loci import (
     vertices,
 )
 from fivebar_atlas.mechanisms.five_bar.mirror import CLASS_SIGNS, canonical_class
+from fivebar_atlas.mechanisms.five_bar.points import contained_at, lci_inside_at
 from fivebar_atlas.mechanisms.five_bar.singularity import ORIGIN, circle_of
 from fivebar_atlas.mechanisms.five_bar.workspace import (
     DECOMPOSITION,
     Decomposition,
-    contains,
     usable_workspace,
 )
+from fivebar_atlas.mechanisms.planar import Workspace
 from fivebar_atlas.numerics.records import allocate_record
 from fivebar_atlas.planar_geometry import (
     CLOSED,
     Arc,
     CircleArc,
+    FloatArray,
     NamedArc,
     Point,
-    Region,
     closed_loop,
-    mirror,
     region_of,
 )
 
@@ -62,8 +63,8 @@ _SAME, _JOINED = 1e-9, 1e-6
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class UsableWorkspace:
-    """The usable workspace of one design and mode pair.
+class UsableWorkspace(Workspace):
+    """The usable workspace of one design and mode pair, in non-dimensional lengths.
 
     Attributes
     ----------
@@ -73,25 +74,49 @@ class UsableWorkspace:
         Its area as it is integrated, strip by strip.
     """
 
-    region: Region
-    area: float
     _lengths: Lengths
-    _strips: int
     _decomposition: Decomposition
+    _strips: int
+    _class: int
     _symmetric: bool
     _mirror: tuple[bool, bool]
 
-    def contains(self, x: float, y: float) -> bool:
-        """Tell whether a point lies inside, exactly; the boundary does not belong to it."""
-        x, y = mirror((x, y), *self._mirror)
-        if self._symmetric:
-            x = abs(x)
-        phi = math.atan2(y, x)
-        if phi < -_HALF:
-            phi += 2.0 * math.pi
-        return bool(
-            contains(self._decomposition, *self._lengths, self._strips, phi, math.hypot(x, y))
-        )
+    def contains(self, x: npt.ArrayLike, y: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+        """Tell which points lie inside, exactly; the boundary does not belong to it.
+
+        Parameters
+        ----------
+        x, y
+            Coordinates, scalars or arrays, which broadcast.
+        """
+        xs, ys, shape = self._decomposed(x, y)
+        out = np.empty(len(xs), dtype=np.bool_)
+        contained_at(self._decomposition, self._strips, *self._lengths, xs, ys, out)
+        return out.reshape(shape)
+
+    def lci(self, x: npt.ArrayLike, y: npt.ArrayLike) -> FloatArray:
+        """Return the LCI at points inside, 0 elsewhere: a continuous function of the plane.
+
+        Parameters
+        ----------
+        x, y
+            Coordinates, scalars or arrays, which broadcast.
+        """
+        xs, ys, shape = self._decomposed(x, y)
+        s1, s2, _ = CLASS_SIGNS[self._class]
+        out = np.empty(len(xs))
+        lci_inside_at(self._decomposition, self._strips, *self._lengths, xs, ys, s1, s2, out)
+        return out.reshape(shape)
+
+    def _decomposed(
+        self, x: npt.ArrayLike, y: npt.ArrayLike
+    ) -> tuple[FloatArray, FloatArray, tuple[int, ...]]:
+        """Return points mirrored into the part that is decomposed, flat, and their shape."""
+        wide = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
+        mirror_x, mirror_y = self._mirror
+        xs = np.ravel(wide[0]) * (-1.0 if mirror_x else 1.0)
+        ys = np.ravel(wide[1]) * (-1.0 if mirror_y else 1.0)
+        return np.abs(xs) if self._symmetric else xs, ys, wide[0].shape
 
 
 def usable_workspace_of(lengths: Lengths, signs: Signs) -> UsableWorkspace | None:
@@ -125,7 +150,7 @@ def usable_workspace_of(lengths: Lengths, signs: Signs) -> UsableWorkspace | Non
     region = region_of(loops)
     symmetric = s1 != s2 and copies == 2.0
     return UsableWorkspace(
-        region, copies * area, lengths, strips, d, symmetric, (mirror_x, mirror_y)
+        region, copies * area, lengths, d, strips, kind, symmetric, (mirror_x, mirror_y)
     )
 
 
@@ -209,9 +234,7 @@ def _ray(phi: float, symmetric: bool) -> float:
     return -_HALF if not symmetric and phi == 3.0 * _HALF else phi
 
 
-def _arcs_of(
-    lengths: Lengths, edges: Sequence[_Edge], corners: Sequence[Point]
-) -> list[NamedArc]:
+def _arcs_of(lengths: Lengths, edges: Sequence[_Edge], corners: Sequence[Point]) -> list[NamedArc]:
     """Return one arc for each edge, without those at the origin."""
     arcs = []
     for edge in edges:

@@ -7,11 +7,17 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+import numpy.typing as npt
+
 from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.base import FloatArray, IntArray
 from fivebar_atlas.mechanisms.five_bar.jacobian import lci, matrices
 from fivebar_atlas.mechanisms.five_bar.kinematics import elbow, forward, inverse, reaches
 from fivebar_atlas.mechanisms.five_bar.singularity import radius_along, singularity_kind
+from fivebar_atlas.mechanisms.five_bar.workspace import Decomposition, contains
+
+BoolArray = npt.NDArray[np.bool_]
 
 
 @kernel
@@ -98,3 +104,35 @@ def radii_along(
     """Fill in the distances at which rays meet a curve that exists there."""
     for k in range(len(phi)):
         out[k] = radius_along(curve, r1, r2, r3, math.cos(phi[k]), math.sin(phi[k]))
+
+
+@kernel
+def lci_inside_at(
+    d: Decomposition, strips: int, r1: float, r2: float, r3: float,
+    x: FloatArray, y: FloatArray, s1: float, s2: float, out: FloatArray,
+) -> None:  # fmt: skip
+    """Fill in LCI at points of a usable workspace, 0 elsewhere.
+
+    Points are those of the decomposed range: of its right half where the strips are that.
+    """
+    for k in range(len(x)):
+        phi = math.atan2(y[k], x[k])
+        if phi < -0.5 * math.pi:
+            phi += 2.0 * math.pi
+        out[k] = 0.0
+        if contains(d, r1, r2, r3, strips, phi, math.sqrt(x[k] * x[k] + y[k] * y[k])):
+            out[k] = lci(r1, r2, r3, x[k], y[k], s1, s2)
+
+
+@kernel
+def contained_at(
+    d: Decomposition, strips: int, r1: float, r2: float, r3: float,
+    x: FloatArray, y: FloatArray, out: BoolArray,
+) -> None:  # fmt: skip
+    """Tell which points of the decomposed range lie in a usable workspace."""
+    for k in range(len(x)):
+        phi = math.atan2(y[k], x[k])
+        if phi < -0.5 * math.pi:
+            phi += 2.0 * math.pi
+        rho = math.sqrt(x[k] * x[k] + y[k] * y[k])
+        out[k] = contains(d, r1, r2, r3, strips, phi, rho)

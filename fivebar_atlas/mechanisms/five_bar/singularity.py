@@ -218,9 +218,7 @@ def _note_angle(angle: float, least: float, greatest: float, out: FloatArray, co
 
 
 @kernel
-def coupler_tangency(
-    r1: float, r2: float, r3: float, outer: bool
-) -> tuple[float, float, bool]:
+def coupler_tangency(r1: float, r2: float, r3: float, outer: bool) -> tuple[float, float, bool]:
     """Return the direction from A1 to where C_col touches a reach circle of leg 1.
 
     There A1, B1, P and B2 are in line, B2 at r1 ± 2 r2 from A1 and at r1 from A2.
