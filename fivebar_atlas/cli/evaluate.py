@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import json
 import math
@@ -28,27 +27,8 @@ if TYPE_CHECKING:
 _LABEL_WIDTH = 40
 
 
-def _numbers(
-    ctx: click.Context,
-    parameter: click.Parameter,  # noqa: ARG001
-    texts: tuple[str, ...],
-) -> list[float]:
-    """Return arguments as numbers; negative ones look like options and come through here."""
-    numbers = []
-    for text in texts:
-        try:
-            numbers.append(float(text))
-        except ValueError:
-            if text.startswith("-"):
-                known = [name for option in ctx.command.params for name in option.opts]
-                near = difflib.get_close_matches(text, known)
-                raise click.NoSuchOption(text, possibilities=near, ctx=ctx) from None
-            raise click.BadParameter(f"{text!r} is not a number.") from None
-    return numbers
-
-
-@click.command(context_settings={"ignore_unknown_options": True})
-@click.argument("lengths", nargs=-1, callback=_numbers, metavar="R1 R2 R3")
+@click.command(context_settings=options.NEGATIVE_NUMBERS)
+@options.lengths_argument
 @options.mechanism_option
 @options.mode_option
 @options.lci_option

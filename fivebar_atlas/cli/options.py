@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -10,6 +11,10 @@ import click
 
 if TYPE_CHECKING:
     from fivebar_atlas.config import Overrides
+    from fivebar_atlas.mechanisms.planar import PlanarDesign
+
+#: Settings of a command that takes numbers as arguments: negative ones look like options.
+NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -30,10 +35,31 @@ def _at_least_one(
     return values or None
 
 
+def _numbers(
+    ctx: click.Context,
+    parameter: click.Parameter,  # noqa: ARG001
+    texts: tuple[str, ...],
+) -> list[float]:
+    """Return arguments as numbers; an unknown option is among them and refused as one."""
+    numbers = []
+    for text in texts:
+        try:
+            numbers.append(float(text))
+        except ValueError:
+            if text.startswith("-"):
+                known = [name for option in ctx.command.params for name in option.opts]
+                near = difflib.get_close_matches(text, known)
+                raise click.NoSuchOption(text, possibilities=near, ctx=ctx) from None
+            raise click.BadParameter(f"{text!r} is not a number.") from None
+    return numbers
+
+
 config_argument = click.argument(
     "config_path", metavar="[CONFIG.toml]", required=False, type=click.Path()
 )
 file_argument = click.argument("file", metavar="FILE.h5", type=click.Path())
+#: The lengths of one design; its command needs ``NEGATIVE_NUMBERS``.
+lengths_argument = click.argument("lengths", nargs=-1, callback=_numbers, metavar="R1 R2 R3")
 mechanism_option = click.option("--mechanism", metavar="NAME", help="Mechanism.")
 mode_option = click.option(
     "--mode",
@@ -41,6 +67,9 @@ mode_option = click.option(
     callback=_at_least_one,
     metavar="MODE",
     help="Mode pair such as +-/up or pm/up; repeatable; 'all' for all.",
+)
+one_mode_option = click.option(
+    "--mode", metavar="MODE", help="Mode pair such as +-/up or pm/up; the first if not given."
 )
 lci_option = click.option(
     "--lci",
@@ -67,6 +96,19 @@ sweep_options = _together(
     ),
     click.option("-o", "--output", metavar="FILE.h5", help="Result file."),
 )
+#: One design in the plane; ``planar_design`` takes what they give.
+design_options = _together(
+    lengths_argument,
+    mechanism_option,
+    click.option(
+        "--unit",
+        metavar="UNIT",
+        help="Unit of the lengths; mm if not given, none where R1 + R2 + R3 = 3.",
+    ),
+    click.option(
+        "--non-dimensional", is_flag=True, help="Scale the lengths by D to R1 + R2 + R3 = 3."
+    ),
+)
 overwrite_option = click.option("--overwrite", is_flag=True, help="Replace an existing output.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 quiet_option = click.option(
@@ -79,3 +121,37 @@ def overrides(**options: Any) -> Overrides:
     from fivebar_atlas.config import Overrides
 
     return Overrides(**options)
+
+
+def planar_design(
+    lengths: list[float], mechanism: str | None, unit: str | None, non_dimensional: bool
+) -> PlanarDesign:
+    """Return the design that the values of ``design_options`` stand for.
+
+    Raises
+    ------
+    click.UsageError
+        If a unit is given for non-dimensional lengths.
+    InputError
+        If the lengths make no mechanism that moves in a plane.
+    """
+    from fivebar_atlas import mechanisms
+
+    if non_dimensional and unit:
+        raise click.UsageError("--unit and --non-dimensional exclude each other")
+    chosen = mechanisms.get(mechanism or mechanisms.names()[0])
+    return chosen.planar_design(lengths, "" if non_dimensional else unit)
+
+
+def mode_pair(design: PlanarDesign, mode: str | None) -> str:
+    """Return the value of ``one_mode_option`` as a mode pair of the design's mechanism.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such mode pair.
+    """
+    from fivebar_atlas import mechanisms
+
+    mechanism = mechanisms.get(design.mechanism)
+    return mechanism.modes[0] if mode is None else mechanism.parse_mode(mode)
