@@ -33,6 +33,11 @@ _CANDIDATES = 3
 _GOLDEN_STEPS = 48
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 _MOST_CHORDS = 1 << 16
+# Chords that a length starts from; its error relative to the length and to the coordinates.
+_LENGTH_CHORDS = 32
+_LENGTH_TOLERANCE, _ROUNDING = 1e-13, 1e-15
+# No share of an arc is halved to less than this, so that corners end the search.
+_LEAST_SHARE = 1e-13
 # Share of an arc whose chord stands for the tangent at its end.
 _SHORT = 1e-4
 # Directions closer than this (sine of the angle) are taken for one.
@@ -93,6 +98,33 @@ class Arc(ABC):
             if gaps.max() <= deviation or chords >= _MOST_CHORDS:
                 return self._with_exact_ends(line)
             chords *= 2
+
+    def length(self) -> float:
+        """Return the length of the arc, to about 1e-11 of it.
+
+        Each of its parts is cut into one, two and four chords. Their sums tend to the length
+        with the square of the chord; where the two extrapolations differ the part is halved.
+        """
+        low = np.linspace(0.0, 1.0, _LENGTH_CHORDS + 1)[:-1]
+        width = 1.0 / _LENGTH_CHORDS
+        total, slack = 0.0, 0.0
+        while len(low) and width > _LEAST_SHARE:
+            shares = low[:, None] + width * np.linspace(0.0, 1.0, 5)
+            line = self.points(shares.ravel()).reshape(-1, 5, 2)
+            line[shares == 0.0], line[shares == 1.0] = self.start, self.end
+            one, two, four = (
+                np.hypot(*np.diff(line[:, ::step], axis=1).transpose(2, 0, 1)).sum(axis=1)
+                for step in (4, 2, 1)
+            )
+            if not slack:
+                slack = _LENGTH_TOLERANCE * float(four.sum()) + _ROUNDING * np.abs(line).max()
+            coarse, fine = (4.0 * two - one) / 3.0, (4.0 * four - two) / 3.0
+            is_done = np.abs(fine - coarse) <= slack
+            total += math.fsum(fine[is_done])
+            width *= 0.5
+            rest = low[~is_done]
+            low = np.concatenate([rest, rest + width])
+        return total
 
     def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the distances of points from the arc and the points of the arc next to them.
@@ -226,6 +258,10 @@ class CircleArc(Arc):
             self.radius * self.radius * self.sweep + self.centre[0] * dy - self.centre[1] * dx
         )
 
+    def length(self) -> float:
+        """Return radius · |sweep|."""
+        return self.radius * abs(self.sweep)
+
     def reversed(self) -> CircleArc:
         """Return the arc run through the other way."""
         return CircleArc(
@@ -322,6 +358,10 @@ class PolylineArc(Arc):
         """Return ½ Σ cross(P_k, P_k+1)."""
         x, y = self.corners.T
         return 0.5 * math.fsum(x[:-1] * y[1:] - x[1:] * y[:-1])
+
+    def length(self) -> float:
+        """Return the sum of the segments."""
+        return math.fsum(np.hypot(*np.diff(self.corners, axis=0).T))
 
     def reversed(self) -> PolylineArc:
         """Return the arc run through the other way."""
