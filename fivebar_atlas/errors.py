@@ -88,6 +88,10 @@ class OutOfReachError(InputError):
         return OutOfReachError(self.name, value, self._template, factor * self.gap, unit)
 
 
+class InfeasiblePathError(AtlasError):
+    """A path that a linkage cannot follow in one mode pair."""
+
+
 class FileError(AtlasError):
     """A file cannot be read, is not what it should be, or cannot be written.
 

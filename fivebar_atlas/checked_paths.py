@@ -1,0 +1,225 @@
+"""What is said of a path that a linkage is to follow: in a phrase, as JSON, as a table.
+
+Points are numbered from 1, as in the rows of a file. Where a path is closed, its last corner
+is point 1 again.
+"""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import math
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fivebar_atlas.closed_paths import closed, path_lengths
+from fivebar_atlas.errors import InfeasiblePathError
+from fivebar_atlas.mechanisms.base import FloatArray, plain
+from fivebar_atlas.mechanisms.planar import PathFault, PathReport, PlanarDesign
+from fivebar_atlas.output_file import atomic_output
+
+
+@dataclasses.dataclass(frozen=True)
+class CheckedPath:
+    """A path with what is known of following it.
+
+    Attributes
+    ----------
+    design
+        The design.
+    report
+        What :meth:`PlanarDesign.check_path` says of it.
+    is_closed
+        Whether the last corner is the first one again.
+    """
+
+    design: PlanarDesign
+    report: PathReport
+    is_closed: bool
+
+    @classmethod
+    def of(cls, design: PlanarDesign, points: FloatArray, mode: str, close: bool) -> CheckedPath:
+        """Check a path.
+
+        Parameters
+        ----------
+        design
+            The design.
+        points
+            Corners, shape (n, 2).
+        mode
+            Mode pair.
+        close
+            Whether the path goes back from the last corner to the first.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode pair.
+        InputError
+            If the path has no points or one that is not finite.
+        """
+        corners = closed(points) if close else points
+        return cls(design, design.check_path(corners, mode), close)
+
+    def require_feasible(self) -> None:
+        """Raise InfeasiblePathError, with the first fault, unless the path can be followed."""
+        if not self.report.feasible:
+            raise InfeasiblePathError(self.verdict)
+
+    @property
+    def verdict(self) -> str:
+        """``"feasible"``, or the first fault: where it is, the locus that is met, the reason."""
+        fault = self.report.fault
+        if fault is None:
+            return "feasible"
+        x, y = fault.position
+        place = f"({x:.9g}, {y:.9g}) {self.design.unit}".rstrip()
+        met = f"meets {fault.curve} ({fault.kind} singularity), " if fault.curve else ""
+        return f"not feasible {self._whereabouts(fault)}, at {place}: {met}{fault.reason}"
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Parameters of the design by their symbols in plain letters."""
+        return {
+            symbol.strip("$").replace("_", ""): value for symbol, value in self.design.parameters
+        }
+
+    @property
+    def lengths(self) -> FloatArray:
+        """Length of the way to every corner, shape (n,)."""
+        return path_lengths(self.report.points)
+
+    def number(self, corner: int) -> int:
+        """Return the number of the point at a corner, counted from 0."""
+        last = len(self.report.points) - 1
+        return 1 if self.is_closed and corner == last else corner + 1
+
+    def turns(self) -> tuple[int, ...] | None:
+        """Return the full turns of every input; None for what is not closed or not feasible."""
+        if not self.is_closed or not self.report.feasible:
+            return None
+        gained = self.report.inputs[-1] - self.report.inputs[0]
+        return tuple(round(float(angle)) for angle in gained / (2.0 * math.pi))
+
+    def least(self, values: FloatArray) -> int | None:
+        """Return the corner where a value of the report is least, None where there is none."""
+        return None if np.all(np.isnan(values)) else int(np.nanargmin(values))
+
+    def document(self) -> dict[str, Any]:
+        """Return everything as nested dictionaries, ready for JSON.
+
+        Returns
+        -------
+        dict
+            Lengths in ``unit``, angles in degrees; what does not exist is None.
+        """
+        report, fault = self.report, self.report.fault
+        corners = self._corners()
+        turns = self.turns()
+        document: dict[str, Any] = {
+            "mechanism": self.design.mechanism,
+            "mode": report.mode,
+            "unit": self.design.unit,
+            **self.parameters,
+            "dimensional_factor": self.design.factor,
+            "remarks": list(self.design.remarks()),
+            "closed": self.is_closed,
+            "path_length": float(self.lengths[-1]),
+            "feasible": report.feasible,
+            "fault": None,
+            "turns": None if turns is None else list(turns),
+        }
+        if fault is not None:
+            document["fault"] = {
+                "after_point": fault.segment + 1,
+                "share_of_segment": fault.share,
+                "x": fault.position[0],
+                "y": fault.position[1],
+                "curve": fault.curve or None,
+                "kind": fault.kind or None,
+                "reason": fault.reason,
+            }
+        for key, values in (("least_lci", report.lci), ("least_distance", report.distances)):
+            corner = self.least(values)
+            document[key] = None if corner is None else corners[corner]
+        document["points"] = corners
+        return document
+
+    def write_csv(self, path: str | os.PathLike[str], overwrite: bool = False) -> None:
+        """Write the table of points as comma-separated text.
+
+        Parameters
+        ----------
+        path
+            The file to be written.
+        overwrite
+            Whether a file of this name may be replaced.
+
+        Raises
+        ------
+        FileUsageError
+            If the file exists already (without ``overwrite``) or its folder does not.
+        FileError
+            If it cannot be written.
+
+        Notes
+        -----
+        One row a corner. Lengths have their unit in the name of the column, unless they are
+        non-dimensional. Numbers have as many digits as tell them apart from every other; from
+        the first fault on they are ``nan``.
+        """
+        with (
+            atomic_output(Path(path), overwrite) as temporary,
+            temporary.open("w", encoding="utf-8", newline="") as file,
+        ):
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(self._columns())
+            writer.writerows(self._rows())
+
+    def _whereabouts(self, fault: PathFault) -> str:
+        """Return where on the path a fault is."""
+        before, after = self.number(fault.segment), self.number(fault.segment + 1)
+        if fault.share in (0.0, 1.0):
+            return f"at point {after if fault.share else before}"
+        return f"between point {before} and point {after}"
+
+    def _columns(self) -> list[str]:
+        unit = f"_{self.design.unit}" if self.design.unit else ""
+        angles = [f"theta{number + 1}_deg" for number in range(self.report.inputs.shape[1])]
+        return [
+            *("point", f"x{unit}", f"y{unit}", f"path_length{unit}"),
+            *(*angles, "lci", f"distance{unit}", "nearest_locus"),
+        ]
+
+    def _rows(self) -> Iterator[list[Any]]:
+        report = self.report
+        numbers = np.column_stack(
+            [
+                *(report.points, self.lengths, np.degrees(report.inputs)),
+                *(report.lci, report.distances),
+            ]
+        )
+        for corner, row in enumerate(numbers.tolist()):
+            yield [self.number(corner), *map(repr, row), report.nearest[corner]]
+
+    def _corners(self) -> list[dict[str, Any]]:
+        """Return what is known of every corner."""
+        report = self.report
+        return [
+            {
+                "point": self.number(corner),
+                "x": plain(x),
+                "y": plain(y),
+                "path_length": plain(length),
+                "inputs_deg": plain(np.degrees(report.inputs[corner])),
+                "lci": plain(report.lci[corner]),
+                "distance": plain(report.distances[corner]),
+                "nearest_locus": report.nearest[corner] or None,
+            }
+            for corner, ((x, y), length) in enumerate(zip(report.points, self.lengths, strict=True))
+        ]
