@@ -11,12 +11,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from fivebar_atlas.figures import style
-from fivebar_atlas.figures.chart_frame import (
-    FILL_LEVEL,
-    MISSING_LEVEL,
-    chart_frame,
-    draw_sub_regions,
-)
+from fivebar_atlas.figures.chart_frame import chart_frame, draw_sub_regions
 from fivebar_atlas.figures.charted_designs import ChartedDesigns
 from fivebar_atlas.figures.colour_bar import (
     KeyEntry,
@@ -28,6 +23,7 @@ from fivebar_atlas.figures.colour_bar import (
     missing_look,
 )
 from fivebar_atlas.figures.contour_levels import magnitude_levels, magnitude_text
+from fivebar_atlas.figures.drawing_area import FILL_LEVEL, MISSING_LEVEL
 from fivebar_atlas.figures.style import styled
 from fivebar_atlas.mechanisms.base import Flags
 from fivebar_atlas.triangulated_regions import outline_of_cells

@@ -9,20 +9,18 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch, Polygon
+from matplotlib.patches import Polygon
 from matplotlib.path import Path
 
-from fivebar_atlas.errors import InputError
 from fivebar_atlas.figures import style
-from fivebar_atlas.figures.text_placement import Box, text_origin, text_size, wrapped
+from fivebar_atlas.figures.drawing_area import BORDER_LEVEL, TEXT_LEVEL, DrawingArea, check_width
+from fivebar_atlas.figures.text_placement import Box, text_size, wrapped
 from fivebar_atlas.mechanisms.base import ChartAxis, DesignChart
 
 FloatArray = npt.NDArray[np.float64]
@@ -35,9 +33,6 @@ _LABEL_GAP = 0.9
 _LINE = 3.5
 _PHRASE = 8.0
 
-#: Order of drawing.
-FILL_LEVEL, MISSING_LEVEL, LINE_LEVEL, REGION_LEVEL, BORDER_LEVEL, TEXT_LEVEL = range(1, 7)
-
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class _Label:
@@ -47,78 +42,16 @@ class _Label:
 
 
 @dataclasses.dataclass(slots=True)
-class ChartFrame:
-    """A figure with the frame of a chart in it.
+class ChartFrame(DrawingArea):
+    """A figure with the frame of a chart in it; its coordinates are those of the chart.
 
     Attributes
     ----------
-    figure
-        The figure.
-    axes
-        Its drawing area, in chart coordinates.
     chart
         The chart.
-    scale
-        Millimetres per unit of the chart.
-    occupied
-        Boxes of the text inside the outline, millimetres from the chart's origin.
-    width, bottom
-        Width of the figure and height of the room below the chart, in millimetres.
     """
 
-    figure: Figure
-    axes: Axes
     chart: DesignChart
-    scale: float
-    occupied: list[Box]
-    width: float
-    bottom: float
-
-    def write(self, text: str, box: Box, size: float, halo: float = 0.0, **look: Any) -> None:
-        """Write one line of text with its ink centred in a box (millimetres)."""
-        x, y = text_origin(text, size, box)
-        self.axes.text(
-            x / self.scale,
-            y / self.scale,
-            text,
-            fontsize=size,
-            rotation=box.angle,
-            rotation_mode="anchor",
-            ha="left",
-            va="baseline",
-            zorder=TEXT_LEVEL,
-            path_effects=style.halo(halo) if halo else [],
-            **{"color": style.INK, **look},
-        )
-
-    def fill(
-        self, name: str, loops: Sequence[FloatArray], level: int, **look: Any
-    ) -> PathPatch | None:
-        """Fill a region given by closed loops, holes running the other way round.
-
-        The name becomes the ``gid`` of the patch: the id of its group in an SVG file.
-        """
-        if not loops:
-            return None
-        vertices = np.concatenate([np.vstack([loop, loop[:1]]) for loop in loops])
-        codes = np.concatenate(
-            [[Path.MOVETO, *[Path.LINETO] * (len(loop) - 1), Path.CLOSEPOLY] for loop in loops]
-        )
-        patch = PathPatch(Path(vertices, codes), zorder=level, gid=name, **look)
-        self.axes.add_patch(patch)
-        return patch
-
-    def add_strip(self, left: float, below: float, width: float, height: float) -> Axes:
-        """Add an empty drawing area; millimetres from left, and down from the chart."""
-        figure_height = self.figure.get_figheight() * style.MM_PER_INCH
-        return self.figure.add_axes(
-            (
-                left / self.width,
-                (self.bottom - below - height) / figure_height,
-                width / self.width,
-                height / figure_height,
-            )
-        )
 
 
 def chart_frame(chart: DesignChart, title: str, width: float, below: float) -> ChartFrame:
@@ -145,9 +78,7 @@ def chart_frame(chart: DesignChart, title: str, width: float, below: float) -> C
     InputError
         If the width is not a number in the range of figure widths.
     """
-    least, greatest = style.WIDTH_RANGE
-    if not least <= width <= greatest:
-        raise InputError("width", width, f"millimetres from {least:g} to {greatest:g}")
+    check_width(width)
     lower, upper = chart.outline.min(axis=0), chart.outline.max(axis=0)
     scale = (width - 10.0) / (upper[0] - lower[0])
     # The text beside the chart has a size of its own, so the scale follows from it.
@@ -168,7 +99,7 @@ def chart_frame(chart: DesignChart, title: str, width: float, below: float) -> C
     middle = (left + right) / 2.0
     axes.set_xlim((middle - width / 2) / scale, (middle + width / 2) / scale)
     axes.set_ylim((low - below) / scale, (low - below + height) / scale)
-    frame = ChartFrame(figure, axes, chart, scale, [], width, below)
+    frame = ChartFrame(figure, axes, scale, [], width, below, chart)
 
     axes.add_patch(
         Polygon(

@@ -1,4 +1,4 @@
-"""What stands below a chart: the colour bar, and the key to what has no colour."""
+"""What stands below a drawing: the colour bar, and the key to what has no colour."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from matplotlib.patches import Rectangle
 
 from fivebar_atlas.figures import style
-from fivebar_atlas.figures.chart_frame import ChartFrame
+from fivebar_atlas.figures.drawing_area import DrawingArea
 from fivebar_atlas.figures.text_placement import text_size, wrapped
 
 # Millimetres on paper.
@@ -28,7 +28,8 @@ _COLUMN_GAP = 3.0
 class KeyEntry:
     """One entry of the key: the look of a rectangle or line, and what it stands for.
 
-    A look with a ``facecolor`` is a rectangle's, an empty one is nothing but the text.
+    A look with a ``facecolor`` is a rectangle's, an empty one is nothing but the text. A line has
+    three points: ``markevery=[1]`` marks its middle.
     """
 
     text: str
@@ -57,7 +58,7 @@ def bar_height(label: str, width: float) -> float:
 
 
 def draw_bar(
-    frame: ChartFrame, colours: Sequence[Any], ticks: Sequence[str], label: str, below: float = 0.0
+    frame: DrawingArea, colours: Sequence[Any], ticks: Sequence[str], label: str, below: float = 0.0
 ) -> float:
     """Draw a horizontal colour bar of equal bands with a tick at every level.
 
@@ -73,12 +74,12 @@ def draw_bar(
     label
         Name and unit, below the bar.
     below
-        Where to begin, in millimetres below the chart.
+        Where to begin, in millimetres below the drawing.
 
     Returns
     -------
     float
-        Where the room it takes ends, in millimetres below the chart.
+        Where the room it takes ends, in millimetres below the drawing.
     """
     widest = max(text_size(text, style.TICK_SIZE)[0] for text in ticks)
     margin = max(_MARGIN, widest / 2 + 1.0)
@@ -118,7 +119,7 @@ def key_height(entries: Sequence[KeyEntry], width: float) -> float:
     return (_KEY_GAP + _PADDING) * bool(entries) + _LINE * lines
 
 
-def draw_key(frame: ChartFrame, entries: Sequence[KeyEntry], below: float) -> None:
+def draw_key(frame: DrawingArea, entries: Sequence[KeyEntry], below: float) -> None:
     """Draw a key, its entries side by side as far as there is room.
 
     Parameters
@@ -128,7 +129,7 @@ def draw_key(frame: ChartFrame, entries: Sequence[KeyEntry], below: float) -> No
     entries
         The entries; a text wider than the figure is broken into lines.
     below
-        Where to begin, in millimetres below the chart.
+        Where to begin, in millimetres below the drawing.
     """
     if not entries:
         return
@@ -148,7 +149,7 @@ def draw_key(frame: ChartFrame, entries: Sequence[KeyEntry], below: float) -> No
             if "facecolor" in entry.look:
                 axes.add_patch(Rectangle((x, middle - 1.1), _SWATCH, 2.2, **entry.look))
             elif entry.look:
-                axes.plot([x, x + _SWATCH], [middle, middle], **entry.look)
+                axes.plot([x, x + _SWATCH / 2, x + _SWATCH], [middle] * 3, **entry.look)
             for number, line in enumerate(_lines(entry, frame.width)):
                 axes.text(
                     x + _swatch_width(entry),

@@ -11,14 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 from fivebar_atlas.figures import style
-from fivebar_atlas.figures.chart_frame import (
-    FILL_LEVEL,
-    LINE_LEVEL,
-    MISSING_LEVEL,
-    ChartFrame,
-    chart_frame,
-    draw_sub_regions,
-)
+from fivebar_atlas.figures.chart_frame import ChartFrame, chart_frame, draw_sub_regions
 from fivebar_atlas.figures.charted_designs import ChartedDesigns
 from fivebar_atlas.figures.colour_bar import (
     KeyEntry,
@@ -30,6 +23,7 @@ from fivebar_atlas.figures.colour_bar import (
     missing_look,
 )
 from fivebar_atlas.figures.contour_levels import level_text, round_levels
+from fivebar_atlas.figures.drawing_area import FILL_LEVEL, LINE_LEVEL, MISSING_LEVEL
 from fivebar_atlas.figures.style import styled
 from fivebar_atlas.figures.text_placement import place_along_lines, text_size
 from fivebar_atlas.triangulated_regions import outline_of_triangles

@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from fivebar_atlas.figures import style
-from fivebar_atlas.figures.chart_frame import REGION_LEVEL, chart_frame, draw_sub_regions
+from fivebar_atlas.figures.chart_frame import chart_frame, draw_sub_regions
 from fivebar_atlas.figures.charted_designs import ChartedDesigns
 from fivebar_atlas.figures.colour_bar import (
     KeyEntry,
@@ -29,6 +29,7 @@ from fivebar_atlas.figures.contour_map import (
     fill_between_levels,
     levels_of,
 )
+from fivebar_atlas.figures.drawing_area import REGION_LEVEL
 from fivebar_atlas.figures.style import styled
 from fivebar_atlas.triangulated_regions import Region
 
