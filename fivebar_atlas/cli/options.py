@@ -47,11 +47,15 @@ def _numbers(
             numbers.append(float(text))
         except ValueError:
             if text.startswith("-"):
-                known = [name for option in ctx.command.params for name in option.opts]
-                near = difflib.get_close_matches(text, known)
-                raise click.NoSuchOption(text, possibilities=near, ctx=ctx) from None
+                raise no_such_option(ctx, text) from None
             raise click.BadParameter(f"{text!r} is not a number.") from None
     return numbers
+
+
+def no_such_option(ctx: click.Context, text: str) -> click.NoSuchOption:
+    """Return the error for an option that came through as an argument."""
+    known = [name for option in ctx.command.params for name in option.opts]
+    return click.NoSuchOption(text, possibilities=difflib.get_close_matches(text, known), ctx=ctx)
 
 
 config_argument = click.argument(
