@@ -79,8 +79,8 @@ class CheckedPath:
             return "feasible"
         x, y = fault.position
         place = f"({x:.9g}, {y:.9g}) {self.design.unit}".rstrip()
-        met = f"meets {fault.curve} ({fault.kind} singularity), " if fault.curve else ""
-        return f"not feasible {self._whereabouts(fault)}, at {place}: {met}{fault.reason}"
+        kind = f" (singularity: {fault.kind})" if fault.kind else ""
+        return f"not feasible {self._whereabouts(fault)}, at {place}: {fault.reason}{kind}"
 
     @property
     def parameters(self) -> dict[str, float]:

@@ -24,8 +24,10 @@ _COMMANDS = {
     "sweep": "Compute an atlas: every design of a design space.",
     "plot": "Draw a figure from an atlas.",
     "evaluate": "Evaluate one design.",
+    "path": "Tell whether a linkage can follow a path.",
     "info": "Say what is in a result file and how it was made.",
     "export": "Write a result file as a table.",
+    "geometry": "List or write loci, workspaces and circles of one design as exact arcs.",
     "config": "Look at configurations.",
 }
 
