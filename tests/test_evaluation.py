@@ -302,3 +302,23 @@ def test_as_plain_python() -> None:
     values = evaluate((1.2, 1.0, 0.8), (1, 1, 1), (0.3,), 1e-3)
     theirs = naive.evaluate(1.2, 1.0, 0.8, 1, 1, 1, thresholds=(0.3,), n=301)
     assert values["gci"][0, 0] == pytest.approx(theirs["gci"], abs=0.01)
+
+
+# Designs at which curves begin to meet while no neck of a workspace opens or closes: a fold
+# circle or C_col passes through the origin (right angles in r1, r2, r3), reach circles touch.
+BORDERLINE = [(1.25, 1.0, 0.75), (1.25, 0.75, 1.0), (0.5, 1.3, 1.2), (1.1, 1.5, 0.4)]
+
+
+@pytest.mark.parametrize("design", BORDERLINE)
+def test_borderline_designs_are_like_their_neighbours(design: tuple[float, float, float]) -> None:
+    aside = np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0], [-1.0, 0.0, 1.0]])
+    steps = 1e-7 * np.concatenate([aside, -aside])
+    here = evaluate(design, MODES, tolerance=1e-5)["usable_workspace_area"]
+    around = evaluate(np.array(design) + steps, MODES, tolerance=1e-5)["usable_workspace_area"]
+    np.testing.assert_allclose(around, np.broadcast_to(here, around.shape), rtol=0.0, atol=1e-5)
+
+
+def test_fold_circle_through_the_origin_against_a_grid() -> None:
+    ours = evaluate((1.25, 1.0, 0.75))["usable_workspace_area"][0, 0]
+    reference = naive.evaluate(1.25, 1.0, 0.75, *UP, n=1500)["usable_workspace_area"]
+    assert ours == pytest.approx(reference, rel=1e-3)
