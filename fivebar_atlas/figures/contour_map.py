@@ -25,7 +25,7 @@ from fivebar_atlas.figures.colour_bar import (
 from fivebar_atlas.figures.contour_levels import level_text, round_levels
 from fivebar_atlas.figures.drawing_area import FILL_LEVEL, LINE_LEVEL, MISSING_LEVEL
 from fivebar_atlas.figures.style import styled
-from fivebar_atlas.figures.text_placement import place_along_lines, text_size
+from fivebar_atlas.figures.text_placement import place_along_lines, points_along, text_size
 from fivebar_atlas.triangulated_regions import outline_of_triangles
 
 FloatArray = npt.NDArray[np.float64]
@@ -178,10 +178,12 @@ def draw_levels(
         for path in contours.get_paths()
     ]
     loops = [np.vstack([loop, loop[:1]]) for loop in clear]
-    borders = [_along(line * frame.scale) for line in (*frame.chart.borders, *loops)]
+    borders = [points_along(line * frame.scale) for line in (*frame.chart.borders, *loops)]
     for index, level in enumerate(drawn):
         text = level_text(level, levels)
-        others = [_along(line) for at, some in enumerate(lines) if at != index for line in some]
+        others = [
+            points_along(line) for at, some in enumerate(lines) if at != index for line in some
+        ]
         boxes = place_along_lines(
             lines[index],
             *text_size(text, style.LEVEL_SIZE),
@@ -193,13 +195,6 @@ def draw_levels(
         )
         for box in boxes:
             frame.write(text, box, style.LEVEL_SIZE, halo=1.4, color=colour)
-
-
-def _along(line: FloatArray, spacing: float = 0.5) -> FloatArray:
-    """Return points on a line, no further apart than a spacing."""
-    run = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
-    stations = np.linspace(0.0, run[-1], max(2, int(run[-1] / spacing) + 1))
-    return np.column_stack([np.interp(stations, run, line[:, axis]) for axis in range(2)])
 
 
 def _triangulation(designs: ChartedDesigns, absent: BoolArray) -> Triangulation:

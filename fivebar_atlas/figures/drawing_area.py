@@ -69,7 +69,7 @@ class DrawingArea:
         )
 
     def fill(
-        self, name: str, loops: Sequence[FloatArray], level: int, **look: Any
+        self, name: str, loops: Sequence[FloatArray], level: float, **look: Any
     ) -> PathPatch | None:
         """Fill a region given by closed loops, holes running the other way round.
 

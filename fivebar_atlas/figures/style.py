@@ -39,6 +39,18 @@ INK = "#111111"
 MISSING = "#e4e4e4"
 MISSING_HATCH = "#9a9a9a"
 REGION = "#d0006f"
+WORKSPACE = "#dce9f2"
+FAINT = "#8c8c8c"
+
+CURVE_WIDTH = 1.0
+
+# Colours that the colour-blind tell apart (Okabe and Ito), dashes that print in grey.
+_CURVES: dict[str, dict[str, Any]] = {
+    "serial": {"color": "#0072b2", "linestyle": "solid"},
+    "parallel, folded": {"color": "#d55e00", "linestyle": (0.0, (4.0, 1.4))},
+    "parallel, extended": {"color": "#007a5a", "linestyle": (0.0, (6.0, 1.4, 1.2, 1.4))},
+    "level": {"color": REGION, "linestyle": "solid"},
+}
 
 _SETTINGS: dict[str, Any] = {
     "font.family": "STIXGeneral",
@@ -47,6 +59,9 @@ _SETTINGS: dict[str, Any] = {
     "xtick.major.width": 0.5,
     "xtick.major.size": 2.0,
     "xtick.major.pad": 1.5,
+    "ytick.major.width": 0.5,
+    "ytick.major.size": 2.0,
+    "ytick.major.pad": 1.5,
     "axes.unicode_minus": True,
     "axes.formatter.use_locale": False,
     "hatch.linewidth": 0.4,
@@ -96,6 +111,11 @@ def category_colours(count: int) -> list[tuple[float, float, float]]:
     order = (4, 5, 3, 7, 0, 6, 2, 1, 9, 11, 10, 8)
     chosen = [colours[order[index % len(order)]] for index in range(count)]
     return [mixed_with_white(colour, 0.25) for colour in chosen]
+
+
+def curve_look(kind: str) -> dict[str, Any]:
+    """Return the look of a line for a kind of curve: of singularity, or ``"level"``."""
+    return {"color": INK, "linestyle": "solid", "linewidth": CURVE_WIDTH, **_CURVES.get(kind, {})}
 
 
 def mixed_with_white(colour: Any, share: float) -> tuple[float, float, float]:

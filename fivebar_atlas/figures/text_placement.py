@@ -227,6 +227,13 @@ def place_along_lines(
     return found
 
 
+def points_along(line: FloatArray, spacing: float = 0.5) -> FloatArray:
+    """Return points on a line, shape (k, 2), no further apart than a spacing."""
+    run = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    stations = np.linspace(0.0, run[-1], max(2, int(run[-1] / spacing) + 1))
+    return np.column_stack([np.interp(stations, run, line[:, axis]) for axis in range(2)])
+
+
 def _length(line: FloatArray) -> float:
     return float(np.hypot(*np.diff(line, axis=0).T).sum())
 

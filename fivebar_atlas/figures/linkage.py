@@ -1,0 +1,395 @@
+"""A linkage in a pose: links, joints, ground, and the labels of Fig. 1(b) of Liu et al."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+
+from fivebar_atlas.figures import style
+from fivebar_atlas.figures.drawing_area import FILL_LEVEL, REGION_LEVEL, TEXT_LEVEL
+from fivebar_atlas.figures.plane_frame import PlaneFrame
+from fivebar_atlas.figures.plotted_data import PlottedData
+from fivebar_atlas.figures.text_placement import Box, points_along, text_size
+from fivebar_atlas.mechanisms.planar import (
+    ACTUATED,
+    BASE,
+    CRANK,
+    OUTPUT,
+    PASSIVE,
+    PlanarDesign,
+    Pose,
+)
+from fivebar_atlas.planar_geometry import FloatArray, Point, Region
+
+#: Order of drawing: above all curves, below all text.
+LINKAGE_LEVEL = 0.5 * (TEXT_LEVEL + REGION_LEVEL) + 0.2
+
+_FACES = {ACTUATED: style.INK, PASSIVE: "white", OUTPUT: style.REGION}
+_LINKS = {BASE: style.FAINT}
+
+# The ground below a base joint, in millimetres: a triangle on a hatched line.
+_GROUND_HEIGHT, _GROUND_WIDTH, _HATCH, _STROKES = 2.0, 3.6, 0.9, 5
+# Angle arcs and what belongs to them, in millimetres.
+_ARC_RADIUS, _ARC_STEP, _ARC_HEAD = 5.0, 2.0, 1.1
+_LABEL_GAP = 0.5
+# What speaks against a label for every 0.4 mm of line that it covers; more than all else.
+_COVERED = 20.0
+# Links shorter than this on paper, in millimetres, have no label.
+_SHORTEST_LABELLED = 2.0
+# Joints closer than this on paper have one label.
+_SAME_PLACE = 0.3
+# Points across a workspace among which the one farthest from the boundary is looked for.
+_RASTER = 40
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class LinkageLook:
+    """Sizes of a linkage in points; ``ground`` multiplies the size of the ground marks."""
+
+    base: float
+    crank: float
+    distal: float
+    joint: float
+    edge: float
+    ground: float
+
+
+#: The subject of a figure, one of several, and an addition to another subject.
+BOLD = LinkageLook(base=0.9, crank=2.6, distal=1.8, joint=4.8, edge=0.8, ground=1.0)
+MEDIUM = LinkageLook(base=0.7, crank=1.9, distal=1.3, joint=3.8, edge=0.6, ground=0.8)
+FINE = LinkageLook(base=0.5, crank=1.3, distal=0.9, joint=2.8, edge=0.5, ground=0.6)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class LinkageArtists:
+    """What a linkage is drawn with.
+
+    Attributes
+    ----------
+    links, joints
+        One line for each link, and one marker for each joint, in the order of the pose.
+    """
+
+    links: tuple[Line2D, ...]
+    joints: tuple[Line2D, ...]
+
+    def move(self, pose: Pose) -> None:
+        """Show another pose of the same linkage."""
+        for drawn, link in zip(self.links, pose.links, strict=True):
+            drawn.set_data(*link_points(pose, link.start, link.end).T)
+        for drawn, joint in zip(self.joints, pose.joints, strict=True):
+            drawn.set_data([joint.position[0]], [joint.position[1]])
+
+
+def draw_linkage(
+    frame: PlaneFrame,
+    pose: Pose,
+    look: LinkageLook = BOLD,
+    data: PlottedData | None = None,
+) -> LinkageArtists:
+    """Draw a linkage: actuated joints filled, passive ones open, the base on the ground.
+
+    Parameters
+    ----------
+    frame
+        The panel.
+    pose
+        The linkage.
+    look
+        Its sizes.
+    data
+        Takes what is plotted.
+
+    Returns
+    -------
+    LinkageArtists
+        What it is drawn with; the ``gid`` of a link is ``link-1``, of a joint ``joint-1``.
+    """
+    _draw_ground(frame, pose, look)
+    widths = {BASE: look.base, CRANK: look.crank}
+    links = []
+    for number, link in enumerate(pose.links, start=1):
+        points = link_points(pose, link.start, link.end)
+        links.append(
+            frame.line(
+                points,
+                f"link-{number}",
+                color=_LINKS.get(link.kind, style.INK),
+                linewidth=widths.get(link.kind, look.distal),
+                zorder=LINKAGE_LEVEL - (0.05 if link.kind == BASE else 0.0),
+            )
+        )
+        if data is not None:
+            data.add("link", points, plain(link.symbol), link.kind)
+    joints = []
+    for number, joint in enumerate(pose.joints, start=1):
+        joints.append(
+            frame.line(
+                np.array([joint.position]),
+                f"joint-{number}",
+                marker="o",
+                markersize=look.joint,
+                markerfacecolor=_FACES[joint.kind],
+                markeredgecolor=style.INK,
+                markeredgewidth=look.edge,
+                linestyle="none",
+                zorder=LINKAGE_LEVEL + 0.1,
+            )
+        )
+        if data is not None:
+            data.add("joint", [joint.position], plain(joint.symbol), joint.kind)
+    return LinkageArtists(tuple(links), tuple(joints))
+
+
+def link_points(pose: Pose, start: int, end: int) -> FloatArray:
+    """Return the positions of two joints, shape (2, 2)."""
+    return np.array([pose.joints[start].position, pose.joints[end].position])
+
+
+def plain(symbol: str) -> str:
+    """Return a symbol without the signs of mathtext around it, ``"A_1"``."""
+    return symbol.strip("$")
+
+
+def sample_pose(design: PlanarDesign, region: Region, mode: str) -> Pose:
+    """Return a pose well inside a usable workspace.
+
+    The output point is the centre of the first maximal inscribed circle or, where there is
+    none, the point of a raster that is farthest from the boundary.
+    """
+    circles = design.inscribed_circles(mode)
+    place = circles[0].centre if circles else _innermost(design, region, mode)
+    return design.pose(*place, mode)
+
+
+def _innermost(design: PlanarDesign, region: Region, mode: str) -> Point:
+    """Return the point of a raster over a region that is farthest from its boundary."""
+    corners = region.outline.polyline(math.inf)
+    cells = _RASTER
+    while True:  # a sliver may pass between the points of a raster
+        shares = (np.arange(cells) + 0.5) / cells
+        lines = corners.min(axis=0) + shares[:, None] * np.ptp(corners, axis=0)
+        x, y = (each.ravel() for each in np.meshgrid(*lines.T))
+        inside = design.lci_inside(x, y, mode) > 0.0
+        if inside.any():
+            points = np.column_stack([x, y])[inside]
+            best = points[np.argmax(region.boundary_distance(points)[0])]
+            return float(best[0]), float(best[1])
+        cells *= 2
+
+
+def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> None:
+    """Write symbols of joints, links and input angles where they cover nothing.
+
+    Angles are drawn from the direction of the x axis to the cranks. The symbol of the base
+    stands for the distance of its joints from the origin O.
+    """
+    lines = [_on_paper(frame, link_points(pose, link.start, link.end)) for link in pose.links]
+    joints = np.array([joint.position for joint in pose.joints]) * frame.scale
+    obstacles = [points_along(line, 0.4) for line in lines]
+    obstacles += [points_along(_circle(joint, 1.0), 0.4) for joint in joints]
+    labels = _Labels(frame, obstacles)
+    for box in _ground_boxes(frame, pose, look):
+        frame.occupied.append(box)
+    arcs = _draw_angles(frame, pose, labels)
+    for joint, text in _joint_texts(frame, pose):
+        labels.write(text, _around(joint, 1.2, text))
+    for middle, radius, text in arcs:
+        labels.write(text, _along_arc(middle, radius, text))
+    origin = np.zeros(2)
+    labels.write("$O$", _around(origin, 0.6, "$O$"))
+    # the base last: it needs its label least
+    for link, line in sorted(
+        zip(pose.links, lines, strict=True), key=lambda each: each[0].kind == BASE
+    ):
+        start = origin if link.kind == BASE else line[0]
+        if link.symbol and np.hypot(*(line[1] - start)) > _SHORTEST_LABELLED:
+            places = _beside(np.array([start, line[1]]), link.symbol)
+            labels.write(link.symbol, places, must=False)
+
+
+@dataclasses.dataclass(slots=True)
+class _Labels:
+    """Labels of a panel and what they must not cover."""
+
+    frame: PlaneFrame
+    obstacles: list[FloatArray]
+
+    def write(self, text: str, candidates: Iterable[tuple[Box, float]], must: bool = True) -> None:
+        """Write a text where it covers least, the earlier and nearer the better.
+
+        One that need not be written is left out where it would cover something.
+        """
+        frame = self.frame
+        crossed = np.concatenate(self.obstacles)
+        left, low = frame.outline[0]
+        right, high = frame.outline[2]
+        axes = [
+            points_along(np.array(ends), 0.4)
+            for ends in (((left, 0.0), (right, 0.0)), ((0.0, low), (0.0, high)))
+        ]
+        best: tuple[float, Box] | None = None
+        for box, cost in candidates:
+            corners = box.corners(_LABEL_GAP)
+            fits = corners.min(axis=0) > (left, low), corners.max(axis=0) < (right, high)
+            if not np.all(fits):
+                continue
+            cost += 0.3 * float(sum(box.contains(line, 0.2).sum() for line in axes))
+            cost += _COVERED * float(box.contains(crossed, _LABEL_GAP).sum())
+            cost += 4.0 * _COVERED * sum(box.overlaps(other, 0.3) for other in frame.occupied)
+            if best is None or cost < best[0]:
+                best = cost, box
+        if best is not None and (must or best[0] < _COVERED):
+            frame.occupied.append(best[1])
+            frame.write(text, best[1], style.REGION_SIZE, halo=1.2)
+
+
+def _around(place: FloatArray, clearance: float, text: str) -> Iterable[tuple[Box, float]]:
+    """Yield boxes around a place, just clear of it and farther."""
+    width, height = text_size(text, style.REGION_SIZE)
+    for distance, turn in itertools.product((0.5, 1.0, 1.7, 2.6, 4.0), range(16)):
+        c, s = math.cos(math.tau * turn / 16), math.sin(math.tau * turn / 16)
+        reach = clearance + distance + _reach(width, height, c, s)
+        box = Box(place[0] + reach * c, place[1] + reach * s, width, height)
+        yield box, 1.5 * distance
+
+
+def _beside(line: FloatArray, text: str) -> Iterable[tuple[Box, float]]:
+    """Yield boxes on both sides of a line, near its middle first."""
+    width, height = text_size(text, style.REGION_SIZE)
+    along = (line[1] - line[0]) / np.hypot(*(line[1] - line[0]))
+    for share, side, distance in itertools.product(
+        (0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74), (1.0, -1.0), (0.7, 1.4, 2.4)
+    ):
+        c, s = -side * along[1], side * along[0]
+        reach = 0.5 + distance + _reach(width, height, c, s)
+        place = line[0] + share * (line[1] - line[0])
+        box = Box(place[0] + reach * c, place[1] + reach * s, width, height)
+        yield box, 6.0 * abs(share - 0.5) + 1.5 * distance
+
+
+def _along_arc(middle: FloatArray, radius: float, text: str) -> Iterable[tuple[Box, float]]:
+    """Yield boxes outside and inside of an arc; ``middle`` is centre and middle direction."""
+    width, height = text_size(text, style.REGION_SIZE)
+    for turn, distance in itertools.product(
+        (0.0, 0.25, -0.25, 0.5, -0.5, 0.8, -0.8), (0.5, 1.2, 2.2, -0.5)
+    ):
+        c, s = math.cos(middle[2] + turn), math.sin(middle[2] + turn)
+        reach = radius + distance + math.copysign(_reach(width, height, c, s), distance)
+        yield (
+            Box(middle[0] + reach * c, middle[1] + reach * s, width, height),
+            2.0 * abs(turn) + 1.5 * abs(distance),
+        )
+
+
+def _reach(width: float, height: float, c: float, s: float) -> float:
+    """Return the distance from the middle of a box to its edge in a direction."""
+    return min(width / (2.0 * max(abs(c), 1e-9)), height / (2.0 * max(abs(s), 1e-9)))
+
+
+def _joint_texts(frame: PlaneFrame, pose: Pose) -> list[tuple[FloatArray, str]]:
+    """Return positions on paper and labels of joints; joints at one place share a label."""
+    found: list[tuple[FloatArray, str]] = []
+    for joint in pose.joints:
+        place = np.array(joint.position) * frame.scale
+        for number, (other, text) in enumerate(found):
+            if np.hypot(*(place - other)) < _SAME_PLACE:
+                found[number] = (other, f"{text}, {joint.symbol}")
+                break
+        else:
+            found.append((place, joint.symbol))
+    return found
+
+
+def _draw_angles(
+    frame: PlaneFrame, pose: Pose, labels: _Labels
+) -> list[tuple[FloatArray, float, str]]:
+    """Draw an arc from the direction of x to every crank; return where their labels go."""
+    found: list[tuple[FloatArray, float, str]] = []
+    seen: list[FloatArray] = []
+    cranks = [link for link in pose.links if link.kind == CRANK]
+    for number, link in enumerate(cranks, start=1):
+        start, end = link_points(pose, link.start, link.end) * frame.scale
+        radius = _ARC_RADIUS + _ARC_STEP * sum(
+            np.hypot(*(start - other)) < 2.0 * _ARC_RADIUS for other in seen
+        )
+        seen.append(start)
+        radius = min(radius, 0.7 * float(np.hypot(*(end - start))))
+        angle = math.atan2(end[1] - start[1], end[0] - start[0])
+        turns = np.linspace(0.0, angle, 49)
+        arc = start + radius * np.column_stack([np.cos(turns), np.sin(turns)])
+        ray = np.array([start, start + np.array([radius + 1.5, 0.0])])
+        thin = {"color": style.INK, "linewidth": 0.5, "zorder": LINKAGE_LEVEL - 0.1}
+        frame.line(ray / frame.scale, f"angle-ray-{number}", linestyle=(0.0, (3.0, 2.0)), **thin)
+        frame.line(arc / frame.scale, f"angle-{number}", **thin)
+        if abs(angle) * radius > 2.0 * _ARC_HEAD:
+            _draw_head(frame, arc[-1], angle + math.copysign(0.5 * math.pi, angle), number)
+        labels.obstacles.extend([points_along(arc, 0.4), points_along(ray, 0.4)])
+        middle = np.array([*start, 0.5 * angle])
+        found.append((middle, radius, rf"$\theta_{{{number}}}$"))
+    return found
+
+
+def _draw_head(frame: PlaneFrame, tip: FloatArray, heading: float, number: int) -> None:
+    """Draw the head of an arrow."""
+    back = np.array([math.cos(heading), math.sin(heading)])
+    across = np.array([-back[1], back[0]])
+    foot = tip - _ARC_HEAD * back
+    corners = np.array([tip, foot + 0.32 * across, foot - 0.32 * across]) / frame.scale
+    frame.fill(f"angle-head-{number}", [corners], FILL_LEVEL, facecolor=style.INK, edgecolor="none")
+
+
+def _base_joints(pose: Pose) -> Sequence[Point]:
+    places = {place for link in pose.links if link.kind == BASE for place in (link.start, link.end)}
+    return [pose.joints[place].position for place in sorted(places)]
+
+
+def _draw_ground(frame: PlaneFrame, pose: Pose, look: LinkageLook) -> None:
+    """Draw a triangle on a hatched line below every base joint."""
+    size = look.ground / frame.scale
+    half, height, hatch = size * _GROUND_WIDTH / 2, size * _GROUND_HEIGHT, size * _HATCH
+    lines: list[FloatArray] = []
+    for x, y in _base_joints(pose):
+        floor = y - height
+        foot = 0.6 * half
+        lines.append(np.array([[x, y], [x - foot, floor], [x + foot, floor], [x, y]]))
+        lines.append(np.array([[x - half, floor], [x + half, floor]]))
+        lines.extend(
+            np.array([[x + stroke, floor - hatch], [x + stroke + hatch, floor]])
+            for stroke in np.linspace(-half, half - hatch, _STROKES)
+        )
+    marks = LineCollection(
+        lines, colors=style.INK, linewidths=0.6 * look.ground, zorder=LINKAGE_LEVEL - 0.1
+    )
+    marks.set_gid("ground")
+    frame.axes.add_collection(marks, autolim=False)
+
+
+def _ground_boxes(frame: PlaneFrame, pose: Pose, look: LinkageLook) -> list[Box]:
+    """Return the boxes on paper that ground marks take."""
+    height = look.ground * (_GROUND_HEIGHT + _HATCH)
+    return [
+        Box(
+            frame.scale * x,
+            frame.scale * y - height / 2 - 0.5,
+            look.ground * _GROUND_WIDTH,
+            height - 1.0,
+        )
+        for x, y in _base_joints(pose)
+    ]
+
+
+def _on_paper(frame: PlaneFrame, points: FloatArray) -> FloatArray:
+    return frame.scale * points
+
+
+def _circle(centre: FloatArray, radius: float) -> FloatArray:
+    turns: Any = np.linspace(0.0, math.tau, 13)
+    return centre + radius * np.column_stack([np.cos(turns), np.sin(turns)])

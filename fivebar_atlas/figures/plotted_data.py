@@ -1,0 +1,92 @@
+"""What a figure shows as numbers: every plotted coordinate, one row each."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from fivebar_atlas.output_file import atomic_output
+from fivebar_atlas.planar_geometry import FloatArray
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class PlottedPart:
+    """One line, outline or set of points of a figure.
+
+    Attributes
+    ----------
+    element
+        What it is, ``"locus"``.
+    curve, kind
+        Name of the curve and what happens on it; empty where that means nothing.
+    points
+        Coordinates, shape (n, 2).
+    values
+        A value at each of them, shape (n,); NaN where there is none.
+    """
+
+    element: str
+    curve: str
+    kind: str
+    points: FloatArray
+    values: FloatArray
+
+
+@dataclasses.dataclass(slots=True)
+class PlottedData:
+    """The parts of a figure in the order in which they are drawn."""
+
+    parts: list[PlottedPart] = dataclasses.field(default_factory=list)
+
+    def add(
+        self,
+        element: str,
+        points: FloatArray | Sequence[tuple[float, float]],
+        curve: str = "",
+        kind: str = "",
+        values: FloatArray | float = math.nan,
+    ) -> None:
+        """Record a part; one value stands for all of its points."""
+        places = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+        wide = np.broadcast_to(np.asarray(values, dtype=np.float64), len(places))
+        self.parts.append(PlottedPart(element, curve, kind, places, wide))
+
+    def rows(self) -> Iterator[tuple[object, ...]]:
+        """Yield element, number of the part, curve, kind, x, y and value of every point."""
+        for number, part in enumerate(self.parts, start=1):
+            for (x, y), value in zip(part.points.tolist(), part.values.tolist(), strict=True):
+                known = "" if math.isnan(value) else value
+                yield part.element, number, part.curve, part.kind, x, y, known
+
+    def write(self, path: Path, unit: str, overwrite: bool = False) -> None:
+        """Write the rows as comma-separated values with a header.
+
+        Parameters
+        ----------
+        path
+            The file.
+        unit
+            Unit of the coordinates, for the names of their columns; empty where they are
+            non-dimensional.
+        overwrite
+            Whether an existing file may be replaced.
+
+        Raises
+        ------
+        FileUsageError, FileError
+            If the file cannot be written or exists already.
+        """
+        suffix = f"_{unit}" if unit else ""
+        header = ("element", "part", "curve", "kind", f"x{suffix}", f"y{suffix}", "value")
+        with (
+            atomic_output(path, overwrite) as temporary,
+            temporary.open("w", encoding="utf-8", newline="") as file,
+        ):
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(header)
+            writer.writerows(self.rows())
