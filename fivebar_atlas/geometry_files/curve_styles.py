@@ -1,0 +1,48 @@
+"""How drawings tell kinds of curves apart: by colour, and by the pattern of the line."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class CurveStyle:
+    """The look of one kind of curve.
+
+    Attributes
+    ----------
+    colour
+        Red, green, blue as ``"#rrggbb"``.
+    colour_index
+        The nearest of the numbered colours of CAD programs.
+    dashes
+        Lengths of strokes and gaps in turn, in thousandths of a drawing; empty if solid.
+    line_type
+        Name of the pattern in CAD programs.
+    """
+
+    colour: str
+    colour_index: int
+    dashes: tuple[float, ...] = ()
+    line_type: str = "CONTINUOUS"
+
+
+# Colours that the colour-blind tell apart, those of the figures; patterns that print in grey.
+_STYLES = {
+    "serial": CurveStyle("#0072b2", 5),
+    "parallel, folded": CurveStyle("#d55e00", 30, (10.0, 5.0), "DASHED"),
+    "parallel, extended": CurveStyle("#007a5a", 3, (12.0, 4.0, 2.0, 4.0), "DASHDOT"),
+    "level": CurveStyle("#d0006f", 6),
+}
+_OTHER = CurveStyle("#000000", 7)
+
+
+def style_of(kind: str) -> CurveStyle:
+    """Return the look of a kind of curve."""
+    return _STYLES.get(kind, _OTHER)
+
+
+def identifier(name: str) -> str:
+    """Return a name as layers and XML identifiers may have it: ``"LCI_0.5"``."""
+    return re.sub(r"[^A-Za-z0-9.-]+", "_", name).strip("_")
