@@ -320,3 +320,112 @@ def evaluate(
         "good_condition_area": {t: float(part.size * cell) for t, part in good.items()},
         "good_condition_gci": {t: mean(part) for t, part in good.items()},
     }
+
+
+def coupler_error(r1: float, r2: float, r3: float, x: ArrayLike, y: ArrayLike) -> Array:
+    """How far the cranks are from fitting if B1, P and B2 lie in line, P in the middle.
+
+    Parameters
+    ----------
+    r1, r2, r3 : float
+        Actuated link, distal link, half the base.
+    x, y : array_like
+        Positions of P, shape (n,).
+
+    Returns
+    -------
+    ndarray
+        The least max(abs(abs(B1 - A1) - r1), abs(abs(B2 - A2) - r1)) found over all directions
+        of the line, shape (n,). Zero on the locus of the stretched distal links.
+
+    Notes
+    -----
+    With B1 = P - r2 e and B2 = P + r2 e the direction of e is the only unknown. The two errors
+    are brought down together by Gauss-Newton steps from the four best of 48 directions.
+    """
+    p = np.stack([np.asarray(x, float), np.asarray(y, float)], axis=-1)[:, None]
+    a1, a2 = base_joints(r3)
+
+    def errors(angle: Array) -> tuple[Array, Array]:
+        e = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        turn = np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+        legs = np.stack([p - r2 * e - a1, p + r2 * e - a2])
+        lengths = np.maximum(np.linalg.norm(legs, axis=-1), 1e-300)
+        rates = r2 * np.stack([-1.0, 1.0])[:, None, None] * (legs * turn).sum(axis=-1) / lengths
+        return lengths - r1, rates
+
+    angle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)[None] + np.zeros((len(p), 1))
+    best = np.argsort((errors(angle)[0] ** 2).sum(axis=0), axis=1)[:, :4]
+    angle = np.take_along_axis(angle, best, axis=1)
+    for _ in range(25):
+        error, rate = errors(angle)
+        step = (error * rate).sum(axis=0) / np.maximum((rate * rate).sum(axis=0), 1e-30)
+        angle = angle - np.clip(step, -0.1, 0.1)
+    return np.asarray(np.abs(errors(angle)[0]).max(axis=0).min(axis=1))
+
+
+def parallel_singular_points(
+    r1: float, r2: float, r3: float, s1: int, s2: int, n: int
+) -> tuple[Array, Array]:
+    """Points where det B changes its sign along the lines of `grid`, by bisection.
+
+    Parameters
+    ----------
+    r1, r2, r3 : float
+        Actuated link, distal link, half the base.
+    s1, s2 : {+1, -1}
+        Working mode.
+    n : int
+        Lines each way; what changes twice between two neighbours is not seen.
+
+    Returns
+    -------
+    x, y : ndarray
+        The points. Neighbours with a place out of reach between them are left out.
+    """
+    x, y = np.meshgrid(*grid(r1, r2, r3, n))
+    value = det_b(r1, r2, r3, x, y, s1, s2)
+    lows, highs = [], []
+    for along_x in (True, False):
+        low = (slice(None), slice(None, -1)) if along_x else (slice(None, -1), slice(None))
+        high = (slice(None), slice(1, None)) if along_x else (slice(1, None), slice(None))
+        with np.errstate(invalid="ignore"):
+            changes = value[low] * value[high] < 0.0
+        lows.append(np.stack([x[low][changes], y[low][changes]], axis=-1))
+        highs.append(np.stack([x[high][changes], y[high][changes]], axis=-1))
+    low, high = np.concatenate(lows), np.concatenate(highs)
+    sign = np.sign(det_b(r1, r2, r3, low[:, 0], low[:, 1], s1, s2))
+    reached = np.ones(len(low), bool)
+    for _ in range(60):
+        middle = (low + high) / 2
+        middle_value = det_b(r1, r2, r3, middle[:, 0], middle[:, 1], s1, s2)
+        reached &= ~np.isnan(middle_value)
+        same = (sign * middle_value > 0.0)[:, None]
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    middle = ((low + high) / 2)[reached]
+    return middle[:, 0], middle[:, 1]
+
+
+def theoretical_boundary(r1: float, r2: float, r3: float, n: int) -> tuple[Array, Array]:
+    """Points of the reach circles that the other leg reaches, n evenly spread on each circle."""
+    turn = 2 * np.pi * (np.arange(n) + 0.5) / n
+    low, high = abs(r1 - r2), r1 + r2
+    points = []
+    for base in (-r3, r3):
+        for radius in (low, high):
+            x, y = base + radius * np.cos(turn), radius * np.sin(turn)
+            other = np.hypot(x + base, y)
+            kept = (low <= other) & (other <= high)
+            points.append(np.stack([x[kept], y[kept]]))
+    x, y = np.concatenate(points, axis=1)
+    return x, y
+
+
+def distance_to_polyline(points: Array, corners: Array) -> Array:
+    """Distances of points, shape (n, 2), from the segments between corners, shape (m, 2)."""
+    start, along = corners[:-1], np.diff(corners, axis=0)
+    square = (along**2).sum(axis=1)
+    offset = points[:, None] - start
+    share = (offset * along).sum(axis=2) / np.where(square > 0.0, square, 1.0)
+    gap = offset - np.clip(share, 0.0, 1.0)[:, :, None] * along
+    return np.asarray(np.sqrt((gap**2).sum(axis=2)).min(axis=1))
