@@ -164,6 +164,20 @@ def draw_key(frame: DrawingArea, entries: Sequence[KeyEntry], below: float) -> N
         top -= _LINE * _row_lines(row, frame.width)
 
 
+def key_rows_height(rows: Sequence[Sequence[KeyEntry]], width: float) -> float:
+    """Return the height in millimetres that keys one below the other need."""
+    return sum(key_height(row, width) for row in rows)
+
+
+def draw_key_rows(
+    frame: DrawingArea, rows: Sequence[Sequence[KeyEntry]], below: float = 0.0
+) -> None:
+    """Draw keys one below the other, from ``below`` millimetres below the drawing."""
+    for row in rows:
+        draw_key(frame, row, below)
+        below += key_height(row, frame.width)
+
+
 def _swatch_width(entry: KeyEntry) -> float:
     return _SWATCH + 1.0 if entry.look else 0.0
 

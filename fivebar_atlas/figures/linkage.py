@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
+import functools
 import math
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -14,6 +13,14 @@ from matplotlib.lines import Line2D
 
 from fivebar_atlas.figures import style
 from fivebar_atlas.figures.drawing_area import FILL_LEVEL, REGION_LEVEL, TEXT_LEVEL
+from fivebar_atlas.figures.label_boxes import (
+    SPACING,
+    Place,
+    around,
+    beside,
+    beside_arc,
+    best_box,
+)
 from fivebar_atlas.figures.plane_frame import PlaneFrame
 from fivebar_atlas.figures.plotted_data import PlottedData
 from fivebar_atlas.figures.text_placement import Box, points_along, text_size
@@ -38,9 +45,6 @@ _LINKS = {BASE: style.FAINT}
 _GROUND_HEIGHT, _GROUND_WIDTH, _HATCH, _STROKES = 2.0, 3.6, 0.9, 5
 # Angle arcs and what belongs to them, in millimetres.
 _ARC_RADIUS, _ARC_STEP, _ARC_HEAD = 5.0, 2.0, 1.1
-_LABEL_GAP = 0.5
-# What speaks against a label for every 0.4 mm of line that it covers; more than all else.
-_COVERED = 20.0
 # Links shorter than this on paper, in millimetres, have no label.
 _SHORTEST_LABELLED = 2.0
 # Joints closer than this on paper have one label.
@@ -191,107 +195,51 @@ def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> No
     Angles are drawn from the direction of the x axis to the cranks. The symbol of the base
     stands for the distance of its joints from the origin O.
     """
-    lines = [_on_paper(frame, link_points(pose, link.start, link.end)) for link in pose.links]
-    joints = np.array([joint.position for joint in pose.joints]) * frame.scale
-    obstacles = [points_along(line, 0.4) for line in lines]
-    obstacles += [points_along(_circle(joint, 1.0), 0.4) for joint in joints]
-    labels = _Labels(frame, obstacles)
-    for box in _ground_boxes(frame, pose, look):
-        frame.occupied.append(box)
-    arcs = _draw_angles(frame, pose, labels)
-    for joint, text in _joint_texts(frame, pose):
-        labels.write(text, _around(joint, 1.2, text))
-    for middle, radius, text in arcs:
-        labels.write(text, _along_arc(middle, radius, text))
+    lines = [frame.scale * link_points(pose, link.start, link.end) for link in pose.links]
+    obstacles = [points_along(line, SPACING) for line in lines]
+    angles = _draw_angles(frame, pose)
+    obstacles += [points_along(line, SPACING) for angle in angles for line in angle.lines]
+    labels = _Labels(frame, np.concatenate(obstacles))
+    frame.occupied.extend(_ground_boxes(frame, pose, look))
+    joints = _joint_texts(frame, pose)
+    for place, _ in joints:
+        # a joint covers a little more than the ends of its links
+        frame.occupied.append(Box(place[0], place[1], look.joint / 4.0, look.joint / 4.0))
+    for place, text in joints:
+        labels.write(text, functools.partial(around, place, look.joint / 4.0))
+    for angle in angles:
+        labels.write(
+            angle.symbol, functools.partial(beside_arc, angle.centre, angle.radius, angle.middle)
+        )
     origin = np.zeros(2)
-    labels.write("$O$", _around(origin, 0.6, "$O$"))
+    labels.write("$O$", functools.partial(around, origin, 0.6))
     # the base last: it needs its label least
     for link, line in sorted(
         zip(pose.links, lines, strict=True), key=lambda each: each[0].kind == BASE
     ):
         start = origin if link.kind == BASE else line[0]
         if link.symbol and np.hypot(*(line[1] - start)) > _SHORTEST_LABELLED:
-            places = _beside(np.array([start, line[1]]), link.symbol)
+            places = functools.partial(beside, np.array([start, line[1]]), look.crank / 5.0)
             labels.write(link.symbol, places, must=False)
 
 
 @dataclasses.dataclass(slots=True)
 class _Labels:
-    """Labels of a panel and what they must not cover."""
+    """Labels of a panel, and points of the lines that they must not cover."""
 
     frame: PlaneFrame
-    obstacles: list[FloatArray]
+    lines: FloatArray
 
-    def write(self, text: str, candidates: Iterable[tuple[Box, float]], must: bool = True) -> None:
-        """Write a text where it covers least, the earlier and nearer the better.
-
-        One that need not be written is left out where it would cover something.
-        """
+    def write(
+        self, text: str, places: Callable[[float, float], Iterable[Place]], must: bool = True
+    ) -> None:
+        """Write a text at the best of the places for its width and height."""
         frame = self.frame
-        crossed = np.concatenate(self.obstacles)
-        left, low = frame.outline[0]
-        right, high = frame.outline[2]
-        axes = [
-            points_along(np.array(ends), 0.4)
-            for ends in (((left, 0.0), (right, 0.0)), ((0.0, low), (0.0, high)))
-        ]
-        best: tuple[float, Box] | None = None
-        for box, cost in candidates:
-            corners = box.corners(_LABEL_GAP)
-            fits = corners.min(axis=0) > (left, low), corners.max(axis=0) < (right, high)
-            if not np.all(fits):
-                continue
-            cost += 0.3 * float(sum(box.contains(line, 0.2).sum() for line in axes))
-            cost += _COVERED * float(box.contains(crossed, _LABEL_GAP).sum())
-            cost += 4.0 * _COVERED * sum(box.overlaps(other, 0.3) for other in frame.occupied)
-            if best is None or cost < best[0]:
-                best = cost, box
-        if best is not None and (must or best[0] < _COVERED):
-            frame.occupied.append(best[1])
-            frame.write(text, best[1], style.REGION_SIZE, halo=1.2)
-
-
-def _around(place: FloatArray, clearance: float, text: str) -> Iterable[tuple[Box, float]]:
-    """Yield boxes around a place, just clear of it and farther."""
-    width, height = text_size(text, style.REGION_SIZE)
-    for distance, turn in itertools.product((0.5, 1.0, 1.7, 2.6, 4.0), range(16)):
-        c, s = math.cos(math.tau * turn / 16), math.sin(math.tau * turn / 16)
-        reach = clearance + distance + _reach(width, height, c, s)
-        box = Box(place[0] + reach * c, place[1] + reach * s, width, height)
-        yield box, 1.5 * distance
-
-
-def _beside(line: FloatArray, text: str) -> Iterable[tuple[Box, float]]:
-    """Yield boxes on both sides of a line, near its middle first."""
-    width, height = text_size(text, style.REGION_SIZE)
-    along = (line[1] - line[0]) / np.hypot(*(line[1] - line[0]))
-    for share, side, distance in itertools.product(
-        (0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74), (1.0, -1.0), (0.7, 1.4, 2.4)
-    ):
-        c, s = -side * along[1], side * along[0]
-        reach = 0.5 + distance + _reach(width, height, c, s)
-        place = line[0] + share * (line[1] - line[0])
-        box = Box(place[0] + reach * c, place[1] + reach * s, width, height)
-        yield box, 6.0 * abs(share - 0.5) + 1.5 * distance
-
-
-def _along_arc(middle: FloatArray, radius: float, text: str) -> Iterable[tuple[Box, float]]:
-    """Yield boxes outside and inside of an arc; ``middle`` is centre and middle direction."""
-    width, height = text_size(text, style.REGION_SIZE)
-    for turn, distance in itertools.product(
-        (0.0, 0.25, -0.25, 0.5, -0.5, 0.8, -0.8), (0.5, 1.2, 2.2, -0.5)
-    ):
-        c, s = math.cos(middle[2] + turn), math.sin(middle[2] + turn)
-        reach = radius + distance + math.copysign(_reach(width, height, c, s), distance)
-        yield (
-            Box(middle[0] + reach * c, middle[1] + reach * s, width, height),
-            2.0 * abs(turn) + 1.5 * abs(distance),
-        )
-
-
-def _reach(width: float, height: float, c: float, s: float) -> float:
-    """Return the distance from the middle of a box to its edge in a direction."""
-    return min(width / (2.0 * max(abs(c), 1e-9)), height / (2.0 * max(abs(s), 1e-9)))
+        candidates = places(*text_size(text, style.REGION_SIZE))
+        box = best_box(candidates, frame.outline, self.lines, frame.cross, frame.occupied, must)
+        if box is not None:
+            frame.occupied.append(box)
+            frame.write(text, box, style.REGION_SIZE, halo=1.2)
 
 
 def _joint_texts(frame: PlaneFrame, pose: Pose) -> list[tuple[FloatArray, str]]:
@@ -308,19 +256,25 @@ def _joint_texts(frame: PlaneFrame, pose: Pose) -> list[tuple[FloatArray, str]]:
     return found
 
 
-def _draw_angles(
-    frame: PlaneFrame, pose: Pose, labels: _Labels
-) -> list[tuple[FloatArray, float, str]]:
-    """Draw an arc from the direction of x to every crank; return where their labels go."""
-    found: list[tuple[FloatArray, float, str]] = []
-    seen: list[FloatArray] = []
+@dataclasses.dataclass(frozen=True, slots=True)
+class _Angle:
+    """An input angle on paper: its symbol, its arc, and the lines it is drawn with."""
+
+    symbol: str
+    centre: FloatArray
+    radius: float
+    middle: float
+    lines: tuple[FloatArray, ...]
+
+
+def _draw_angles(frame: PlaneFrame, pose: Pose) -> list[_Angle]:
+    """Draw an arc from the direction of x to every crank."""
+    found: list[_Angle] = []
     cranks = [link for link in pose.links if link.kind == CRANK]
     for number, link in enumerate(cranks, start=1):
         start, end = link_points(pose, link.start, link.end) * frame.scale
-        radius = _ARC_RADIUS + _ARC_STEP * sum(
-            np.hypot(*(start - other)) < 2.0 * _ARC_RADIUS for other in seen
-        )
-        seen.append(start)
+        near = [each for each in found if np.hypot(*(start - each.centre)) < 2.0 * _ARC_RADIUS]
+        radius = _ARC_RADIUS + _ARC_STEP * len(near)
         radius = min(radius, 0.7 * float(np.hypot(*(end - start))))
         angle = math.atan2(end[1] - start[1], end[0] - start[0])
         turns = np.linspace(0.0, angle, 49)
@@ -331,9 +285,8 @@ def _draw_angles(
         frame.line(arc / frame.scale, f"angle-{number}", **thin)
         if abs(angle) * radius > 2.0 * _ARC_HEAD:
             _draw_head(frame, arc[-1], angle + math.copysign(0.5 * math.pi, angle), number)
-        labels.obstacles.extend([points_along(arc, 0.4), points_along(ray, 0.4)])
-        middle = np.array([*start, 0.5 * angle])
-        found.append((middle, radius, rf"$\theta_{{{number}}}$"))
+        symbol = rf"$\theta_{{{number}}}$"
+        found.append(_Angle(symbol, start, radius, 0.5 * angle, (arc, ray)))
     return found
 
 
@@ -384,12 +337,3 @@ def _ground_boxes(frame: PlaneFrame, pose: Pose, look: LinkageLook) -> list[Box]
         )
         for x, y in _base_joints(pose)
     ]
-
-
-def _on_paper(frame: PlaneFrame, points: FloatArray) -> FloatArray:
-    return frame.scale * points
-
-
-def _circle(centre: FloatArray, radius: float) -> FloatArray:
-    turns: Any = np.linspace(0.0, math.tau, 13)
-    return centre + radius * np.column_stack([np.cos(turns), np.sin(turns)])

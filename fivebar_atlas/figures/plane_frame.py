@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from fivebar_atlas.figures import style
 from fivebar_atlas.figures.contour_levels import level_text
 from fivebar_atlas.figures.drawing_area import LINE_LEVEL, DrawingArea, check_width
-from fivebar_atlas.figures.text_placement import Box, text_size, wrapped
+from fivebar_atlas.figures.text_placement import Box, points_along, text_size, wrapped
 from fivebar_atlas.figures.wording import coordinate_label
 from fivebar_atlas.planar_geometry import FloatArray, NamedArc, Region
 
@@ -58,6 +58,13 @@ class PlaneFrame(DrawingArea):
         """The panel's outline in millimetres from the origin, shape (4, 2)."""
         (left, low), (right, high) = self.corners * self.scale
         return np.array([[left, low], [right, low], [right, high], [left, high]])
+
+    @property
+    def cross(self) -> FloatArray:
+        """Points of the lines x = 0 and y = 0 in millimetres from the origin, shape (n, 2)."""
+        (left, low), _, (right, high), _ = self.outline
+        ends = (((left, 0.0), (right, 0.0)), ((0.0, low), (0.0, high)))
+        return np.concatenate([points_along(np.array(pair)) for pair in ends])
 
     def line(self, points: FloatArray, name: str, **look: Any) -> Line2D:
         """Draw a line through points, shape (n, 2); the name becomes its ``gid``."""
