@@ -22,26 +22,34 @@ def note_compilation() -> None:
 
 
 class Progress:
-    """Counts finished designs and says how fast they come and how long the rest takes.
+    """Counts what is finished, and says how fast it comes and how long the rest takes.
 
     Parameters
     ----------
     total
-        Number of designs.
+        Number of them.
     finished
-        Designs finished before the start, which do not count for the speed.
+        Those finished before the start, which do not count for the speed.
     quiet
         Whether nothing is written.
     stream
         Where it is written, standard error if None.
+    things
+        What is counted.
     """
 
     def __init__(
-        self, total: int, finished: int = 0, quiet: bool = False, stream: TextIO | None = None
+        self,
+        total: int,
+        finished: int = 0,
+        quiet: bool = False,
+        stream: TextIO | None = None,
+        things: str = "designs",
     ) -> None:
         self._total = total
         self._finished = finished
         self._quiet = quiet
+        self._things = things
         self._stream = stream or sys.stderr
         self._terminal = self._stream.isatty()
         self._written = time.monotonic()
@@ -65,9 +73,9 @@ class Progress:
             self._stream.write("\n")
             self._stream.flush()
 
-    def advance(self, designs: int) -> None:
-        """Count designs as finished."""
-        self._finished += designs
+    def advance(self, count: int) -> None:
+        """Count so many as finished."""
+        self._finished += count
         now = time.monotonic()
         if self._first is None:
             self._first = now, self._finished
@@ -93,13 +101,13 @@ class Progress:
     def _line(self, now: float) -> str:
         """Return count, speed and time left."""
         share = 100 * self._finished // max(self._total, 1)
-        parts = [f"{share:3d} %  {self._finished:,} of {self._total:,} designs"]
+        parts = [f"{share:3d} %  {self._finished:,} of {self._total:,} {self._things}"]
         if self._first is not None:
             elapsed, done = now - self._first[0], self._finished - self._first[1]
             if elapsed > 0.0 and done > 0:
                 speed = done / elapsed
                 left = (self._total - self._finished) / speed
-                parts += [f"{speed:,.0f} designs/s", f"{duration(left)} left"]
+                parts += [f"{speed:,.0f} {self._things}/s", f"{duration(left)} left"]
         return "  ".join(parts)
 
 
