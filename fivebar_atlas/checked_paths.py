@@ -21,6 +21,7 @@ from fivebar_atlas.errors import InfeasiblePathError
 from fivebar_atlas.mechanisms.base import FloatArray, plain
 from fivebar_atlas.mechanisms.planar import PathFault, PathReport, PlanarDesign
 from fivebar_atlas.output_file import atomic_output
+from fivebar_atlas.planar_geometry import Region
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,21 +67,23 @@ class CheckedPath:
         corners = closed(points) if close else points
         return cls(design, design.check_path(corners, mode), close)
 
-    def require_feasible(self) -> None:
-        """Raise InfeasiblePathError, with the first fault, unless the path can be followed."""
-        if not self.report.feasible:
-            raise InfeasiblePathError(self.verdict)
+    def require_feasible(self, numbered: bool = True) -> None:
+        """Raise InfeasiblePathError with the first fault unless the path can be followed.
+
+        Parameters
+        ----------
+        numbered
+            Whether the points of the path have numbers that mean something to its maker.
+        """
+        if self.report.fault is not None:
+            text = self._fault_text(self.report.fault, numbered)
+            raise InfeasiblePathError(f"the path is {text}")
 
     @property
     def verdict(self) -> str:
         """``"feasible"``, or the first fault: where it is, the locus that is met, the reason."""
         fault = self.report.fault
-        if fault is None:
-            return "feasible"
-        x, y = fault.position
-        place = f"({x:.9g}, {y:.9g}) {self.design.unit}".rstrip()
-        kind = f" (singularity: {fault.kind})" if fault.kind else ""
-        return f"not feasible {self._whereabouts(fault)}, at {place}: {fault.reason}{kind}"
+        return "feasible" if fault is None else self._fault_text(fault, numbered=True)
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -181,8 +184,16 @@ class CheckedPath:
             writer.writerow(self._columns())
             writer.writerows(self._rows())
 
+    def _fault_text(self, fault: PathFault, numbered: bool) -> str:
+        """Return a fault in words."""
+        x, y = fault.position
+        place = f"({x:.9g}, {y:.9g}) {self.design.unit}".rstrip()
+        kind = f" (singularity: {fault.kind})" if fault.kind else ""
+        where = f" {self._whereabouts(fault)}," if numbered else ""
+        return f"not feasible{where} at {place}: {fault.reason}{kind}"
+
     def _whereabouts(self, fault: PathFault) -> str:
-        """Return where on the path a fault is."""
+        """Return the points next to a fault."""
         before, after = self.number(fault.segment), self.number(fault.segment + 1)
         if fault.share in (0.0, 1.0):
             return f"at point {after if fault.share else before}"
@@ -223,3 +234,19 @@ class CheckedPath:
             }
             for corner, ((x, y), length) in enumerate(zip(report.points, self.lengths, strict=True))
         ]
+
+
+def usable_region(design: PlanarDesign, mode: str) -> Region:
+    """Return the usable workspace of a mode pair as a region.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such mode pair.
+    InfeasiblePathError
+        If it is empty.
+    """
+    workspace = design.usable_workspace(mode)
+    if workspace is None:
+        raise InfeasiblePathError(f"the usable workspace of {mode} is empty: there are no paths")
+    return workspace.region
