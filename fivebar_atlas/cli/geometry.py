@@ -84,7 +84,7 @@ def geometry(
     Circles stay circles in SVG and DXF, both in the size of the machine; CSV has a row for
     each point. Lengths have the unit of R1 R2 R3. The outline of a good-condition workspace
     is a polygon with corners on the level curve; atlas evaluate integrates its area. DXF
-    files need the extra 'fivebar-atlas[cad]'.
+    files need the package ezdxf.
     """
     from fivebar_atlas.geometry_files.design_geometry import GOOD_CONDITION, geometry_of
     from fivebar_atlas.geometry_files.json_document import json_document
@@ -127,11 +127,14 @@ def _contents(found: DesignGeometry) -> str:
 
 def _table(found: DesignGeometry) -> Iterator[str]:
     """Yield the lines of a readable table."""
+    from fivebar_atlas.geometry_files.design_geometry import area_error
+
     design = found.design
     unit = f" {design.unit}" if design.unit else ""
     squared = f"{unit}²" if unit else ""
     yield f"{found.title}: {found.subject}"
-    yield f"D = {design.factor:.8g}{unit}; {'; '.join(design.remarks())}"
+    factor = [f"D = {design.factor:.8g}{unit}"] if unit else []
+    yield "; ".join([*factor, *design.remarks()])
     if found.is_empty:
         yield found.absence
         return
@@ -142,13 +145,18 @@ def _table(found: DesignGeometry) -> Iterator[str]:
     for number, region in enumerate(found.regions, 1):
         yield ""
         count = f" {number} of {len(found.regions)}" if len(found.regions) > 1 else ""
-        yield f"region{count}: area {_area(region)}{squared}"
+        error = area_error(region)
+        digits = 5 if error else 8
+        yield f"region{count}: area {_area(region, error)}{squared}"
         for place, loop in enumerate(region.loops):
             name = f"hole {place}" if place else "outline"
             around = math.fsum(each.arc.length() for each in loop.arcs)
             turn = "clockwise" if loop.area < 0.0 else "counter-clockwise"
             yield ""
-            yield f"{name}, {turn}: length {around:.8g}{unit}, encloses {abs(loop.area):.8g}{squared}"
+            yield (
+                f"{name}, {turn}: length {around:.{digits}g}{unit}, "
+                f"encloses {abs(loop.area):.{digits}g}{squared}"
+            )
             yield from _arc_lines(
                 [each for each in placed if (each.region, each.boundary) == (number, name)]
             )
@@ -162,11 +170,8 @@ def _table(found: DesignGeometry) -> Iterator[str]:
         yield f"isolated singular points: {', '.join(map(_point, found.isolated_points))}"
 
 
-def _area(region: Region) -> str:
+def _area(region: Region, error: float) -> str:
     """Return the area of a region, with its error and no more digits where it has one."""
-    from fivebar_atlas.geometry_files.design_geometry import area_error
-
-    error = area_error(region)
     if not error:
         return f"{region.area:.10g}"
     digits = math.ceil(math.log10(region.area / error)) + 1

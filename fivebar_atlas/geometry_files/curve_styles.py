@@ -15,7 +15,7 @@ class CurveStyle:
     colour
         Red, green, blue as ``"#rrggbb"``.
     colour_index
-        The nearest of the numbered colours of CAD programs.
+        A numbered colour of CAD programs that is like it, legible on black and on white.
     dashes
         Lengths of strokes and gaps in turn, in thousandths of a drawing; empty if solid.
     line_type
@@ -30,9 +30,9 @@ class CurveStyle:
 
 # Colours that the colour-blind tell apart, those of the figures; patterns that print in grey.
 _STYLES = {
-    "serial": CurveStyle("#0072b2", 5),
+    "serial": CurveStyle("#0072b2", 150),
     "parallel, folded": CurveStyle("#d55e00", 30, (10.0, 5.0), "DASHED"),
-    "parallel, extended": CurveStyle("#007a5a", 3, (12.0, 4.0, 2.0, 4.0), "DASHDOT"),
+    "parallel, extended": CurveStyle("#007a5a", 94, (12.0, 4.0, 2.0, 4.0), "DASHDOT2"),
     "level": CurveStyle("#d0006f", 6),
 }
 _OTHER = CurveStyle("#000000", 7)

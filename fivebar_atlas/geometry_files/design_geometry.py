@@ -33,7 +33,7 @@ KINDS = {
 }
 
 # Grids on which the largest LCI is looked for: lines each way; zooms, each by this factor.
-_FIRST_LINES, _LINES, _ZOOMS, _ZOOM = 301, 9, 14, 0.3
+_FIRST_LINES, _LINES, _ZOOMS, _ZOOM = 401, 21, 24, 0.4
 # Chords leave curves by no more than this share of D where only their extent is wanted.
 _EXTENT_DEVIATION = 1e-6
 
@@ -269,7 +269,7 @@ def _low_condition(threshold: float, mode: str, largest: float) -> str:
     """Return why there is no good-condition workspace in a usable workspace."""
     where = f"in the usable workspace of {mode}"
     if largest < threshold:
-        return f"LCI reaches {threshold:g} nowhere {where}; the largest is {largest:.6f}"
+        return f"LCI reaches {threshold:g} nowhere {where}; the largest is {largest:.4g}"
     return f"LCI reaches {threshold:g} {where} only in parts too small to be outlined"
 
 
@@ -315,7 +315,8 @@ def _base_joints(geometry: DesignGeometry) -> tuple[Point, ...]:
 def largest_lci(design: PlanarDesign, mode: str) -> float:
     """Return the largest LCI in the usable workspace of a mode pair, 0 where it is empty.
 
-    Looked for on a grid, then on ever finer ones around the best point so far.
+    Looked for on a grid, then on ever finer ones around the best point so far. Where the
+    largest value is a limit in a sharp corner, it may be missed by a per cent.
     """
     usable = design.usable_workspace(mode)
     if usable is None:

@@ -1,9 +1,9 @@
 """Arcs as a drawing in DXF: CIRCLE and ARC where they are, LWPOLYLINE for other curves.
 
 Every curve is a layer with its name, in the colour and the line type of its kind. The arcs of
-each boundary are a group, ``OUTLINE_1`` or ``HOLE_1_1``, in order. What an arc is, what there
-is at its ends and which mode pairs border on it stands in its extended data. Arcs run
-counter-clockwise in DXF: sides and ends are given for that sense.
+each boundary are a group, ``OUTLINE_1`` or ``HOLE_1_1``, in order. The number of an arc, what
+it is, what there is at its ends and which mode pairs border on it stand in its extended data.
+Arcs run counter-clockwise in DXF: sides and ends are given for that sense.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ ISOLATED_POINTS, BASE_JOINTS = "ISOLATED_POINTS", "BASE_JOINTS"
 
 _VERSION = "R2010"
 # Points are drawn as a cross in a circle; their size, and that of dashes, in D.
-_POINT_MODE, _POINT_SIZE, _DASH_SIZE = 34, 0.04, 0.1
+_POINT_MODE, _POINT_SIZE, _DASH_SIZE = 34, 0.04, 0.05
+_DASHED_THROUGHOUT = 128
 _FULL_TURN = 2.0 * math.pi * (1.0 - 1e-12)
 
 
@@ -64,7 +65,7 @@ def dxf_text(geometry: DesignGeometry, deviation: float) -> str:
         space = document.modelspace()
         groups: dict[str, list[DXFGraphic]] = {}
         for placed in geometry.placed_arcs():
-            entity = _add_arc(document, space, placed.named, deviation)
+            entity = _add_arc(document, space, placed, deviation)
             if placed.region is not None:
                 groups.setdefault(_group_name(placed), []).append(entity)
         for name, entities in groups.items():
@@ -131,13 +132,14 @@ def _add_layer(document: Drawing, name: str, kind: str) -> None:
         return
     style = style_of(kind)
     layer = document.layers.add(name, color=style.colour_index, linetype=style.line_type)
-    red, green, blue = bytes.fromhex(style.colour.removeprefix("#"))
-    layer.rgb = (red, green, blue)
     layer.description = kind
 
 
-def _add_arc(document: Drawing, space: Modelspace, named: NamedArc, deviation: float) -> DXFGraphic:
+def _add_arc(
+    document: Drawing, space: Modelspace, placed: PlacedArc, deviation: float
+) -> DXFGraphic:
     """Add one arc as an entity that says what it is."""
+    named = placed.named
     layer = identifier(named.name)
     _add_layer(document, layer, named.kind)
     attributes = {"layer": layer}
@@ -159,7 +161,10 @@ def _add_arc(document: Drawing, space: Modelspace, named: NamedArc, deviation: f
         entity = space.add_lwpolyline(
             corners[:-1] if closed else corners, close=closed, dxfattribs=attributes
         )
+        # dashes run on over the corners
+        entity.dxf.flags |= _DASHED_THROUGHOUT
     tags = {
+        "arc": placed.number,
         "curve": named.name,
         "kind": named.kind,
         "start": named.ends[0],
