@@ -277,10 +277,8 @@ def _circles(design: PlanarDesign, mode: str) -> DesignGeometry:
     arcs = []
     for circle in design.inscribed_circles(mode):
         place = "upper" if circle.centre[1] > 0.0 else "lower"
-        name, symbol = f"MIC_{place}", rf"MIC ({place})"
-        arcs.append(
-            NamedArc(name, symbol, "inscribed circle", circle, (CLOSED, CLOSED), {mode: LEFT})
-        )
+        name, symbol = f"MIC_{place}", f"MIC ({place})"
+        arcs.append(NamedArc(name, symbol, "inscribed circle", circle, (CLOSED, CLOSED)))
     absence = ""
     if not arcs:
         is_empty = design.usable_workspace(mode) is None
