@@ -32,7 +32,7 @@ class CurveStyle:
 _STYLES = {
     "serial": CurveStyle("#0072b2", 150),
     "parallel, folded": CurveStyle("#d55e00", 30, (10.0, 5.0), "DASHED"),
-    "parallel, extended": CurveStyle("#007a5a", 94, (12.0, 4.0, 2.0, 4.0), "DASHDOT2"),
+    "parallel, extended": CurveStyle("#007a5a", 92, (12.0, 4.0, 2.0, 4.0), "DASHDOT2"),
     "level": CurveStyle("#d0006f", 6),
 }
 _OTHER = CurveStyle("#000000", 7)
