@@ -421,6 +421,37 @@ def theoretical_boundary(r1: float, r2: float, r3: float, n: int) -> tuple[Array
     return x, y
 
 
+def locus_tangent(r1: float, r2: float, r3: float, name: str, x: float, y: float) -> Array:
+    """Give a unit vector along a singular locus at a point of it, up to its sign.
+
+    Parameters
+    ----------
+    r1, r2, r3 : float
+        Actuated link, distal link, half the base.
+    name : str
+        "C_1o", "C_1i", "C_2o", "C_2i", "C_coin_up", "C_coin_down" or "C_col".
+    x, y : float
+        The point.
+
+    Notes
+    -----
+    Normal to the gradient of the implicit equation: that of a circle, or for "C_col" the sextic
+    (r1^2 + r3^2 - r2^2 - rho^2)^2 rho^2 = 4 r3^2 y^2 (r1^2 - rho^2).
+    """
+    if name == "C_col":
+        rho2, k = x * x + y * y, r1**2 + r3**2 - r2**2
+        by_rho2 = (k - rho2) ** 2 - 2.0 * (k - rho2) * rho2 + 4.0 * r3**2 * y * y
+        gradient = np.array(
+            [2.0 * x * by_rho2, 2.0 * y * by_rho2 - 8.0 * r3**2 * y * (r1**2 - rho2)]
+        )
+    elif name.startswith("C_coin"):
+        height = np.sqrt(r1**2 - r3**2)
+        gradient = np.array([x, y - height if name == "C_coin_up" else y + height])
+    else:
+        gradient = np.array([x + r3 if name[2] == "1" else x - r3, y])
+    return np.array([-gradient[1], gradient[0]]) / np.hypot(*gradient)
+
+
 def distance_to_polyline(points: Array, corners: Array) -> Array:
     """Distances of points, shape (n, 2), from the segments between corners, shape (m, 2)."""
     start, along = corners[:-1], np.diff(corners, axis=0)

@@ -18,7 +18,7 @@ from special_designs import label, special_designs
 
 from fivebar_atlas import FiveBar, UnknownNameError
 from fivebar_atlas.mechanisms.five_bar.loci import isolated_points, singular_arcs
-from fivebar_atlas.planar_geometry import BOTH, CLOSED, LEFT, RIGHT, Arc, NamedArc
+from fivebar_atlas.planar_geometry import BOTH, CLOSED, LEFT, RIGHT, TANGENCY, Arc, NamedArc
 
 Design = tuple[float, float, float]
 FloatArray = npt.NDArray[np.float64]
@@ -170,6 +170,29 @@ def test_parallel_arcs_end_where_serial_arcs_end() -> None:
                 assert ends <= serial_ends, (design, each.name)
                 checked += 1
     assert checked > 5000
+
+
+def test_parallel_arcs_touch_a_reach_circle_at_their_ends() -> None:
+    touching = 0
+    for design in RANDOM[:300]:
+        r1, r2, r3 = design
+        for each in singular_arcs(design, MODES):
+            if each.kind == "serial" or each.ends == (CLOSED, CLOSED):
+                continue
+            assert each.ends == (TANGENCY, TANGENCY)
+            for x, y in (each.arc.start, each.arc.end):
+                gaps = {
+                    name: abs(math.hypot(x - base, y) - radius)
+                    for leg, base in (("1", -r3), ("2", r3))
+                    for name, radius in ((f"C_{leg}o", r1 + r2), (f"C_{leg}i", abs(r1 - r2)))
+                }
+                circle = min(gaps, key=gaps.__getitem__)
+                assert gaps[circle] < 1e-14
+                along = naive.locus_tangent(*design, each.name, x, y)
+                beside = naive.locus_tangent(*design, circle, x, y)
+                assert abs(along[0] * beside[1] - along[1] * beside[0]) < 1e-6, (design, each)
+                touching += 1
+    assert touching > 1000
 
 
 def test_ends_are_points_of_the_arcs() -> None:

@@ -166,24 +166,6 @@ def test_outlines_are_pieces_of_the_loci_of_their_mode() -> None:
     assert checked > 1000
 
 
-def tangent(design: Design, name: str, point: FloatArray) -> FloatArray:
-    """Return a unit vector along a locus at a point of it, from its implicit equation."""
-    r1, r2, r3 = design
-    x, y = point
-    if name != "C_col":
-        height = math.sqrt(max(r1**2 - r3**2, 0.0))
-        centre = {"C_1": (-r3, 0.0), "C_2": (r3, 0.0)}.get(name[:3])
-        if centre is None:
-            centre = (0.0, height if name == "C_coin_up" else -height)
-        gradient = np.array([x - centre[0], y - centre[1]])
-    else:  # (r1² + r3² - r2² - ρ²)² ρ² = 4 r3² y² (r1² - ρ²)
-        rho2, k = x * x + y * y, r1**2 + r3**2 - r2**2
-        by_rho2 = (k - rho2) ** 2 - 2.0 * (k - rho2) * rho2 + 4.0 * r3**2 * y * y
-        gradient = by_rho2 * 2.0 * np.array([x, y])
-        gradient[1] -= 8.0 * r3**2 * y * (r1**2 - rho2)
-    return np.array([-gradient[1], gradient[0]]) / np.hypot(*gradient)
-
-
 def test_kinds_of_ends_against_tangents_of_implicit_equations() -> None:
     counts = {TANGENCY: 0, CUSP: 0, INTERSECTION: 0}
     for design, mode, workspace in workspaces(RANDOM[:300], 3):
@@ -194,7 +176,9 @@ def test_kinds_of_ends_against_tangents_of_implicit_equations() -> None:
                 if each.ends == (CLOSED, CLOSED):
                     continue
                 vertex = np.array(each.arc.start)
-                arriving, leaving = (tangent(design, arc.name, vertex) for arc in (before, each))
+                arriving, leaving = (
+                    naive.locus_tangent(*design, arc.name, *vertex) for arc in (before, each)
+                )
                 last = vertex - before.arc.points(np.array([0.99]))[0]
                 first = each.arc.points(np.array([0.01]))[0] - vertex
                 if min(np.hypot(*last), np.hypot(*first)) < 1e-6:
