@@ -25,6 +25,9 @@ from fivebar_atlas.planar_geometry import (
     Point,
 )
 
+#: Order of drawing of curves that are not the subject.
+BACKGROUND_LEVEL = LINE_LEVEL - 0.2
+
 # Ends of arcs closer than this share of their distance from the origin are one.
 _SAME = 1e-7
 
@@ -120,7 +123,7 @@ def marked_points(arcs: Sequence[NamedArc], isolated: Sequence[Point] = ()) -> l
 def kind_entries(arcs: Iterable[NamedArc]) -> list[KeyEntry]:
     """Return one entry of the key for each kind of curve, with the symbols of its curves."""
     symbols: dict[str, dict[str, None]] = {}
-    for each in arcs:
+    for each in sorted(arcs, key=lambda each: each.name):
         symbols.setdefault(each.kind, {})[each.symbol] = None
     return [
         KeyEntry(f"{kind}: {', '.join(of_kind)}", style.curve_look(kind))
@@ -156,7 +159,3 @@ def label_curves(
             frame.occupied.append(box)
             colour = style.curve_look(kind)["color"]
             frame.write(symbol, box, style.REGION_SIZE, halo=1.2, color=colour)
-
-
-#: Order of drawing of curves that are not the subject.
-BACKGROUND_LEVEL = LINE_LEVEL - 0.2

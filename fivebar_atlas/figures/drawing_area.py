@@ -82,7 +82,8 @@ class DrawingArea:
             [[Path.MOVETO, *[Path.LINETO] * (len(loop) - 1), Path.CLOSEPOLY] for loop in loops]
         )
         patch = PathPatch(Path(vertices, codes), zorder=level, gid=name, **look)
-        self.axes.add_patch(patch)
+        # not as a patch, whose limits would be looked for curve by curve
+        self.axes.add_artist(patch)
         return patch
 
     def add_strip(self, left: float, below: float, width: float, height: float) -> Axes:

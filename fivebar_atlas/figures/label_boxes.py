@@ -129,7 +129,9 @@ def beside_curve(
     run = points_along(line, 2.0)
     before, after = np.roll(run, 1, axis=0), np.roll(run, -1, axis=0)
     before[0], after[-1] = run[0], run[-1]
-    gaps = np.hypot(*(run[:, None] - others).transpose(2, 0, 1)).min(axis=1, initial=_ALONE)
+    (x, y), (other_x, other_y) = run.T, others.T
+    squares = (x[:, None] - other_x) ** 2 + (y[:, None] - other_y) ** 2
+    gaps = np.sqrt(squares.min(axis=1, initial=_ALONE**2))
     doubt = _MISTAKEN * (1.0 - gaps / _ALONE) + _OFF_CENTRE * np.abs(np.linspace(-1, 1, len(run)))
     for foot, (dx, dy), cost in zip(run, after - before, doubt, strict=True):
         normal = math.atan2(dx, -dy)

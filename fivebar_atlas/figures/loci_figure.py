@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from matplotlib.figure import Figure
 
 from fivebar_atlas.figures import style
@@ -17,6 +19,7 @@ from fivebar_atlas.figures.plotted_data import PlottedData
 from fivebar_atlas.figures.style import styled
 from fivebar_atlas.figures.wording import mode_text, title_text
 from fivebar_atlas.mechanisms.planar import PlanarDesign
+from fivebar_atlas.planar_geometry import NamedArc
 
 
 def loci_figure(
@@ -54,14 +57,65 @@ def loci_figure(
         If the width is out of range.
     """
     arcs = design.singular_loci(mode)
+    notes = [] if arcs or mode is None else [f"no singular loci in {mode_text(mode)}"]
+    return _drawn(design, arcs, title_text("Singular loci", design, mode), notes, width, data)
+
+
+def empty_workspace_figure(
+    design: PlanarDesign,
+    mode: str,
+    subject: str,
+    *,
+    width: float = style.COLUMN_WIDTH,
+    data: PlottedData | None = None,
+) -> Figure:
+    """Draw the singular loci in place of a usable workspace that is empty, and say so.
+
+    Parameters
+    ----------
+    design, mode
+        The design and the mode pair.
+    subject
+        What was to be drawn, for the title.
+    width
+        Width of the figure in millimetres.
+    data
+        Takes what is plotted.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure: the loci of the mode pair, or all there are if it has none.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such mode pair.
+    InputError
+        If the width is out of range.
+    """
+    arcs = design.singular_loci(mode)
+    whose = "its" if arcs else "all"
+    notes = [f"empty usable workspace in {mode_text(mode)}; {whose} singular loci are drawn"]
+    shown = arcs or design.singular_loci()
+    return _drawn(design, shown, title_text(subject, design, mode), notes, width, data)
+
+
+def _drawn(
+    design: PlanarDesign,
+    arcs: Sequence[NamedArc],
+    title: str,
+    notes: Sequence[str],
+    width: float,
+    data: PlottedData | None,
+) -> Figure:
+    """Draw loci with their marks, their key, and notes above the key."""
     marks = marked_points(arcs, design.isolated_singular_points())
-    bounds = bounds_of_arcs(arcs or design.singular_loci())
-    rows = [[entry] for entry in kind_entries(arcs)]
-    if mode is not None and not arcs:
-        rows.append([KeyEntry(f"no singular loci in {mode_text(mode)}", {})])
+    rows = [[KeyEntry(note, {})] for note in notes]
+    rows += [[entry] for entry in kind_entries(arcs)]
     rows.append([*(each.entry for each in marks), KeyEntry(", ".join(design.remarks()), {})])
     with styled():
-        title = title_text("Singular loci", design, mode)
+        bounds = bounds_of_arcs(arcs or design.singular_loci())
         frame = plane_frame(bounds, design.unit, title, width, key_rows_height(rows, width))
         draw_origin(frame)
         draw_arcs(frame, arcs, "locus", data)

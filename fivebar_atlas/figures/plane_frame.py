@@ -79,8 +79,11 @@ def flatness(lower: FloatArray, upper: FloatArray) -> float:
 
 
 def bounds_of(points: Iterable[FloatArray]) -> tuple[FloatArray, FloatArray]:
-    """Return the lower left and upper right corner of the box around points, shape (2,)."""
-    together = np.concatenate(list(points))
+    """Return the lower left and upper right corner of the box around points.
+
+    The points have the shape (2,) or (n, 2) each.
+    """
+    together = np.vstack(list(points))
     return together.min(axis=0), together.max(axis=0)
 
 

@@ -40,6 +40,7 @@ MISSING = "#e4e4e4"
 MISSING_HATCH = "#9a9a9a"
 REGION = "#d0006f"
 WORKSPACE = "#dce9f2"
+GOOD_CONDITION = "#7fb2d3"
 FAINT = "#8c8c8c"
 
 CURVE_WIDTH = 1.0

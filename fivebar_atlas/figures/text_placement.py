@@ -92,14 +92,34 @@ def text_ink(text: str, size: float) -> tuple[float, float, float, float]:
     """
     with styled():
         # Many times larger, so that hinting and rounding do not matter.
-        extents = TextPath((0, 0), text, size=100.0, prop=FontProperties()).get_extents()
-    scale = size / 100.0 / POINTS_PER_MM
-    return (
-        float(extents.x0) * scale,
-        float(extents.y0) * scale,
-        float(extents.x1) * scale,
-        float(extents.y1) * scale,
-    )
+        path = TextPath((0, 0), text, size=100.0, prop=FontProperties())
+    left, bottom, right, top = (size / 100.0 / POINTS_PER_MM * part for part in _extents(path))
+    return left, bottom, right, top
+
+
+def _extents(path: Path) -> tuple[float, float, float, float]:
+    """Return left, bottom, right and top of a path, as ``Path.get_extents`` but at once.
+
+    Letters are made of lines and parabolas; an extremum of p(t) = (1-t)² a + 2 t (1-t) b + t² c
+    inside lies at t = (a - b) / (a - 2 b + c).
+    """
+    codes = np.asarray(path.codes)
+    corners = np.asarray(path.vertices, dtype=np.float64)
+    if path.codes is None or (codes == Path.CURVE4).any():
+        box = path.get_extents()
+        return float(box.x0), float(box.y0), float(box.x1), float(box.y1)
+    # the first of the two points of a parabola is off the curve, unlike that of all else
+    curved = codes == Path.CURVE3
+    first = np.flatnonzero(curved)[::2]
+    is_end = codes != Path.CLOSEPOLY
+    is_end[first] = False
+    a, b, c = corners[first - 1], corners[first], corners[first + 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = np.clip(np.nan_to_num((a - b) / (a - 2.0 * b + c)), 0.0, 1.0)
+    turning = (1.0 - t) ** 2 * a + 2.0 * t * (1.0 - t) * b + t**2 * c
+    points = np.concatenate([corners[is_end], turning])
+    (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
+    return float(left), float(bottom), float(right), float(top)
 
 
 def text_size(text: str, size: float) -> tuple[float, float]:
@@ -139,6 +159,9 @@ def wrapped(text: str, size: float, width: float) -> list[str]:
     """
     # On a screen letters are moved to whole pixels, which makes a line a little longer.
     width *= 0.97
+    whole = text.replace("\N{NO-BREAK SPACE}", " ")
+    if text_size(whole, size)[0] <= width:
+        return [whole]
     pieces = _UNBROKEN.findall(text)
     if any(text_size(piece, size)[0] > width for piece in pieces):
         pieces = text.split(" ")

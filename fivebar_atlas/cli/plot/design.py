@@ -1,0 +1,320 @@
+"""Figures of one design: the linkage, its singular loci, its workspaces, its conditioning."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from fivebar_atlas.cli import options
+from fivebar_atlas.cli.plot.group import Command, figure_options, plot
+from fivebar_atlas.cli.progress import note_compilation
+from fivebar_atlas.errors import InputError, UnknownNameError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fivebar_atlas.figures.plotted_data import PlottedData
+    from fivebar_atlas.mechanisms.planar import PlanarDesign, Pose
+
+Pair = tuple[float, float]
+
+
+def _one_design(command: Command) -> Command:
+    """Add what every figure of one design has: the design, the outputs, the width."""
+    data_option = click.option(
+        "--data",
+        "data_path",
+        type=click.Path(path_type=Path),
+        metavar="FILE.csv",
+        help="Also write every plotted coordinate.",
+    )
+    return options.design_options(data_option(figure_options(command)))
+
+
+def _levels(
+    ctx: click.Context,  # noqa: ARG001
+    parameter: click.Parameter,  # noqa: ARG001
+    text: str | None,
+) -> list[float] | None:
+    """Return numbers separated by commas."""
+    if text is None:
+        return None
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise click.BadParameter(f"{text!r} is not numbers separated by commas.") from None
+
+
+def _check_outputs(output: Path, data_path: Path | None, overwrite: bool) -> None:
+    """Refuse outputs that cannot be written, before any work is done for them."""
+    from fivebar_atlas.figures.saving import check_figure_output
+    from fivebar_atlas.output_file import check_output
+
+    check_figure_output(output, overwrite)
+    if data_path is not None:
+        if data_path.resolve() == output.resolve():
+            raise InputError("--data", str(data_path), "another file than the figure")
+        check_output(data_path, overwrite)
+
+
+def _save(
+    figure: Figure,
+    data: PlottedData,
+    unit: str,
+    output: Path,
+    data_path: Path | None,
+    overwrite: bool,
+) -> None:
+    """Write the figure, and what it shows as numbers where that is wanted."""
+    from fivebar_atlas.figures.saving import save_figure
+
+    if data_path is not None:
+        data.write(data_path, unit, overwrite)
+    save_figure(figure, output, overwrite)
+
+
+def _checked_threshold(design: PlanarDesign, lci: float) -> float:
+    """Return a threshold; it is refused under the name it was given by."""
+    from fivebar_atlas import mechanisms
+
+    mechanisms.get(design.mechanism).check_thresholds([lci], "--lci")
+    return lci
+
+
+def _note_what_is_empty(design: PlanarDesign, mode: str, lci: float | None = None) -> None:
+    """Say on standard error where there is no usable or no good-condition workspace."""
+    from fivebar_atlas.figures.workspace_figure import below_threshold
+
+    workspace = design.usable_workspace(mode)
+    if workspace is None:
+        click.echo(f"the usable workspace of {mode} is empty; singular loci are drawn", err=True)
+    elif lci is not None and not design.good_condition_workspace(lci, mode):
+        click.echo(below_threshold(design, workspace.region, mode, lci), err=True)
+
+
+@contextlib.contextmanager
+def _under_the_name_of(option: str, value: Any) -> Iterator[None]:
+    """Refuse a position or inputs by the option and in the numbers that the user gave."""
+    try:
+        yield
+    except UnknownNameError:
+        raise
+    except InputError as error:
+        raise InputError(option, value, error.allowed) from None
+
+
+def _poses(
+    design: PlanarDesign,
+    mode: str | None,
+    at: Pair | None,
+    inputs: Pair | None,
+    all_solutions: bool,
+) -> Sequence[Pose]:
+    """Return the poses to draw."""
+    from fivebar_atlas.figures.linkage import sample_pose
+
+    if inputs is not None:
+        with _under_the_name_of("--inputs", inputs):
+            poses = design.forward_poses([math.radians(angle) for angle in inputs])
+        return poses if all_solutions else [_in_mode(design, poses, mode)]
+    if at is None:
+        pair = options.mode_pair(design, mode)
+        workspace = design.usable_workspace(pair)
+        if workspace is None:
+            allowed = "a mode pair that has a usable workspace, or --at X Y for a pose elsewhere"
+            raise InputError("--mode", pair, allowed)
+        pose = sample_pose(design, workspace.region, pair)
+        return design.inverse_poses(*pose.output) if all_solutions else [pose]
+    with _under_the_name_of("--at", at):
+        if all_solutions or mode is None:
+            poses = design.inverse_poses(*at)
+            return poses if all_solutions else poses[:1]
+        return [design.pose(*at, mode)]
+
+
+def _in_mode(design: PlanarDesign, poses: Sequence[Pose], mode: str | None) -> Pose:
+    """Return the pose in a mode pair, the first if none is named."""
+    if mode is None:
+        return poses[0]
+    pair = options.mode_pair(design, mode)
+    for pose in poses:
+        if pose.mode == pair:
+            return pose
+    raise InputError("--mode", mode, f"one of {', '.join(pose.mode for pose in poses)}")
+
+
+@plot.command("mechanism", context_settings=options.NEGATIVE_NUMBERS)
+@_one_design
+@click.option("--at", nargs=2, type=float, metavar="X Y", help="Position of P.")
+@click.option(
+    "--inputs", nargs=2, type=float, metavar="THETA1 THETA2", help="Input angles in degrees."
+)
+@click.option("--mode", metavar="MODE", help="Mode pair, or with --at a working mode alone.")
+@click.option("--all", "all_solutions", is_flag=True, help="Draw all solutions side by side.")
+def mechanism(
+    at: Pair | None,
+    inputs: Pair | None,
+    mode: str | None,
+    all_solutions: bool,
+    output: Path,
+    data_path: Path | None,
+    width: float,
+    overwrite: bool,
+    **design_choices: Any,
+) -> None:
+    """Draw the linkage in a pose, with joints, links and input angles named.
+
+    P is in the middle of the largest inscribed circle unless --at or --inputs say where. With
+    --all all solutions of the inverse kinematics are drawn, or with --inputs of the forward
+    kinematics.
+    """
+    from fivebar_atlas.figures.linkage_figure import linkage_figure
+    from fivebar_atlas.figures.plotted_data import PlottedData
+
+    if at is not None and inputs is not None:
+        raise click.UsageError("--at and --inputs exclude each other")
+    if all_solutions and mode is not None and (at is not None or inputs is not None):
+        raise click.UsageError("--all draws every mode; --mode excludes it")
+    _check_outputs(output, data_path, overwrite)
+    design = options.planar_design(**design_choices)
+    note_compilation()
+    poses = _poses(design, mode, at, inputs, all_solutions)
+    data = PlottedData()
+    figure = linkage_figure(design, poses, width=width, data=data)
+    _save(figure, data, design.unit, output, data_path, overwrite)
+
+
+@plot.command("loci", context_settings=options.NEGATIVE_NUMBERS)
+@_one_design
+@click.option("--mode", metavar="MODE", help="Mode pair or working mode, for its loci only.")
+def loci(
+    mode: str | None,
+    output: Path,
+    data_path: Path | None,
+    width: float,
+    overwrite: bool,
+    **design_choices: Any,
+) -> None:
+    """Draw the singular loci of a design, all or those of one mode."""
+    from fivebar_atlas.figures.loci_figure import loci_figure
+    from fivebar_atlas.figures.plotted_data import PlottedData
+
+    _check_outputs(output, data_path, overwrite)
+    design = options.planar_design(**design_choices)
+    note_compilation()
+    data = PlottedData()
+    figure = loci_figure(design, mode, width=width, data=data)
+    _save(figure, data, design.unit, output, data_path, overwrite)
+
+
+@plot.command("workspace", context_settings=options.NEGATIVE_NUMBERS)
+@_one_design
+@options.one_mode_option
+def workspace(
+    mode: str | None,
+    output: Path,
+    data_path: Path | None,
+    width: float,
+    overwrite: bool,
+    **design_choices: Any,
+) -> None:
+    """Draw the usable workspace, what bounds it, and the linkage in it.
+
+    Boundary arcs are named and drawn by kind of singularity; maximal inscribed circles are
+    dotted.
+    """
+    from fivebar_atlas.figures.plotted_data import PlottedData
+    from fivebar_atlas.figures.workspace_figure import workspace_figure
+
+    _check_outputs(output, data_path, overwrite)
+    design = options.planar_design(**design_choices)
+    pair = options.mode_pair(design, mode)
+    note_compilation()
+    data = PlottedData()
+    figure = workspace_figure(design, pair, width=width, data=data)
+    _save(figure, data, design.unit, output, data_path, overwrite)
+    _note_what_is_empty(design, pair)
+
+
+@plot.command("good-condition", context_settings=options.NEGATIVE_NUMBERS)
+@_one_design
+@options.one_mode_option
+@click.option(
+    "--lci",
+    type=float,
+    default=0.5,
+    show_default=True,
+    metavar="THRESHOLD",
+    help="LCI threshold, above 0 and below 1.",
+)
+def good_condition(
+    mode: str | None,
+    lci: float,
+    output: Path,
+    data_path: Path | None,
+    width: float,
+    overwrite: bool,
+    **design_choices: Any,
+) -> None:
+    """Draw the part of the usable workspace where the LCI reaches a threshold."""
+    from fivebar_atlas.figures.plotted_data import PlottedData
+    from fivebar_atlas.figures.workspace_figure import good_condition_figure
+
+    _check_outputs(output, data_path, overwrite)
+    design = options.planar_design(**design_choices)
+    pair = options.mode_pair(design, mode)
+    lci = _checked_threshold(design, lci)
+    note_compilation()
+    data = PlottedData()
+    figure = good_condition_figure(design, pair, lci, width=width, data=data)
+    _save(figure, data, design.unit, output, data_path, overwrite)
+    _note_what_is_empty(design, pair, lci)
+
+
+@plot.command("lci", context_settings=options.NEGATIVE_NUMBERS)
+@_one_design
+@options.one_mode_option
+@click.option(
+    "--lci",
+    type=float,
+    metavar="THRESHOLD",
+    help="Only where the LCI reaches this, above 0 and below 1.",
+)
+@click.option(
+    "--levels",
+    callback=_levels,
+    metavar="VALUES",
+    help="Contours, such as 0.25,0.5,0.75; round ones if not given.",
+)
+def lci(
+    mode: str | None,
+    lci: float | None,
+    levels: list[float] | None,
+    output: Path,
+    data_path: Path | None,
+    width: float,
+    overwrite: bool,
+    **design_choices: Any,
+) -> None:
+    """Draw the local conditioning index over the usable workspace.
+
+    With --lci over the good-condition workspace.
+    """
+    from fivebar_atlas.figures.lci_figure import lci_figure
+    from fivebar_atlas.figures.plotted_data import PlottedData
+
+    _check_outputs(output, data_path, overwrite)
+    design = options.planar_design(**design_choices)
+    pair = options.mode_pair(design, mode)
+    if lci is not None:
+        lci = _checked_threshold(design, lci)
+    note_compilation()
+    data = PlottedData()
+    figure = lci_figure(design, pair, lci, levels, width=width, data=data)
+    _save(figure, data, design.unit, output, data_path, overwrite)
+    _note_what_is_empty(design, pair, lci)
