@@ -202,15 +202,38 @@ def test_symmetries_hold_for_the_grid_too() -> None:
         assert masks[0].sum() == masks[1].sum() == masks[2].sum()
 
 
+def largest_index_near(
+    design: tuple[float, float, float], mode: tuple[int, int, int], x: float, y: float
+) -> float:
+    """Largest LCI on a small circle about a point, of the points of a mode pair."""
+    angles = np.linspace(0.0, 2.0 * math.pi, 20001)
+    xs, ys = x + 1e-6 * np.cos(angles), y + 1e-6 * np.sin(angles)
+    there = naive.lci(*design, xs, ys, *mode[:2])
+    belongs = naive.det_b(*design, xs, ys, *mode[:2]) * mode[2] > 0.0
+    return float(np.nanmax(np.where(belongs, there, np.nan)))
+
+
 def test_where_the_largest_index_occurs() -> None:
     for design, mode in random_cases(53, 30):
         values = evaluate(design, mode, (), 1e-3)
         if values["status"][0, 0] & evaluation.EMPTY_USABLE_WORKSPACE:
             continue
         x, y = values["max_lci_x"][0, 0], values["max_lci_y"][0, 0]
-        there = float(naive.lci(*design, x, y, mode[0], mode[1]))
-        if not math.isnan(there):  # a corner of the workspace is beyond reach by rounding
-            assert there == pytest.approx(values["max_lci"][0, 0], abs=2e-3)
+        largest = values["max_lci"][0, 0]
+        assert largest_index_near(design, mode, x, y) == pytest.approx(largest, abs=2e-3)
+
+
+def test_largest_index_as_a_limit_in_a_corner() -> None:
+    # both legs stretched at the top, where they enclose the angle γ: LCI = cot(γ/2)
+    values = evaluate((1.0, 0.7, 1.3), UP, ())
+    height = math.sqrt(1.7**2 - 1.3**2)
+    assert values["max_lci"][0, 0] == pytest.approx(height / 1.3, abs=1e-12)
+    assert (values["max_lci_x"][0, 0], values["max_lci_y"][0, 0]) == pytest.approx((0.0, height))
+    grid = naive.evaluate(1.0, 0.7, 1.3, *UP, n=1501)
+    assert grid["max_lci"] <= values["max_lci"][0, 0]
+    assert largest_index_near((1.0, 0.7, 1.3), UP, 0.0, height) == pytest.approx(
+        values["max_lci"][0, 0], abs=1e-4
+    )
 
 
 def test_good_condition_area_falls_with_the_threshold() -> None:

@@ -9,12 +9,17 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from fivebar_atlas.errors import InputError
+
 if TYPE_CHECKING:
     from fivebar_atlas.config import Overrides
     from fivebar_atlas.mechanisms.planar import PlanarDesign
 
 #: Settings of a command that takes numbers as arguments: negative ones look like options.
 NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
+
+# Room in axis labels and file headers.
+_LONGEST_UNIT = 16
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -143,6 +148,9 @@ def planar_design(
 
     if non_dimensional and unit:
         raise click.UsageError("--unit and --non-dimensional exclude each other")
+    if unit is not None and not (unit.isprintable() and 0 < len(unit.strip()) <= _LONGEST_UNIT):
+        allowed = f"the name of a unit, of 1 to {_LONGEST_UNIT} printable characters"
+        raise InputError("--unit", unit, allowed)
     chosen = mechanisms.get(mechanism or mechanisms.names()[0])
     return chosen.planar_design(lengths, "" if non_dimensional else unit)
 

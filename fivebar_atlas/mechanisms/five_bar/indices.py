@@ -44,6 +44,8 @@ LEAST_PANEL = 1e-9
 WIDEST_PANEL = 1.0
 #: Panels whose whole area is below this share of the tolerance are bounded, not integrated.
 NEGLIGIBLE_SHARE = 1e-4
+#: How far inside a corner the workspace is looked for.
+CORNER_STEP = 1e-7
 
 
 @kernel
@@ -239,6 +241,50 @@ def integrate_strips(
 
 
 @kernel
+def _corner_limit(
+    d: Decomposition, strips: int, r1: float, r2: float, r3: float, symmetric: bool
+) -> tuple[float, float, float]:
+    """Return the largest limit of the LCI in a corner of the workspace, and the corner.
+
+    In a corner between reach circles of both legs sin β1 and sin β2 go to zero in any ratio,
+    so the LCI has the limits of all values below that for equal sines, LCI + 1/LCI =
+    2 / |sin γ|, where the legs are straight. Returns (0, 0, 0) where there is no corner.
+    """
+    outer, inner = r1 + r2, abs(r1 - r2)
+    best, best_x, best_y = 0.0, 0.0, 0.0
+    for kind in range(3):  # outer and outer, inner and inner, outer of leg 1 and inner of leg 2
+        radius_1 = inner if kind == 1 else outer
+        radius_2 = outer if kind == 0 else inner
+        if radius_2 < POINT_RADIUS or r3 == 0.0:
+            continue
+        x = r1 * r2 / r3 if kind == 2 else 0.0
+        height2 = (radius_2 - (x - r3)) * (radius_2 + (x - r3))
+        if height2 <= 0.0:
+            continue
+        y = math.sqrt(height2)
+        sine = 2.0 * r3 * y / (radius_1 * radius_2)
+        limit = sine / (1.0 + math.sqrt(max((1.0 - sine) * (1.0 + sine), 0.0)))
+        # towards the inside: into an outer circle, away from an inner one
+        in_1 = 1.0 if kind == 1 else -1.0
+        in_2 = -1.0 if kind == 0 else 1.0
+        dx = in_1 * (x + r3) / radius_1 + in_2 * (x - r3) / radius_2
+        dy = in_1 * y / radius_1 + in_2 * y / radius_2
+        step = CORNER_STEP / math.sqrt(dx * dx + dy * dy)
+        for image in range(4):
+            x_sign = -1.0 if image % 2 == 1 else 1.0
+            y_sign = -1.0 if image >= 2 else 1.0
+            if limit <= best or (x_sign < 0.0 and (symmetric or x == 0.0)):
+                continue
+            px, py = x_sign * (x + step * dx), y_sign * (y + step * dy)
+            phi = math.atan2(py, px)
+            if phi < -0.5 * math.pi:
+                phi += 2.0 * math.pi
+            if contains(d, r1, r2, r3, strips, phi, math.sqrt(px * px + py * py)):
+                best, best_x, best_y = limit, x_sign * x, y_sign * y
+    return best, best_x, best_y
+
+
+@kernel
 def largest_lci(
     p: Panels, d: Decomposition, strips: int, isotropic: int,
     r1: float, r2: float, r3: float, s1: float, s2: float, assembly: float,
@@ -247,7 +293,7 @@ def largest_lci(
 
     At an isotropic point it is 1 (of several, the one of largest y, then of largest x, is
     returned). Otherwise the rays next to the best one seen bracket it. It may also lie on a
-    panel's end, such as the y axis or a corner of the workspace.
+    panel's end, such as the y axis, or be a limit in a corner of the workspace.
     """
     found = -1
     for k in range(isotropic):
@@ -299,4 +345,6 @@ def largest_lci(
         if share == FOUND:
             break
     x, y = p.best[2] * math.cos(p.best[1]), p.best[2] * math.sin(p.best[1])
-    return lci(r1, r2, r3, x, y, s1, s2), x, y
+    best = lci(r1, r2, r3, x, y, s1, s2)
+    limit, corner_x, corner_y = _corner_limit(d, strips, r1, r2, r3, s1 != s2)
+    return (limit, corner_x, corner_y) if limit > best else (best, x, y)

@@ -157,9 +157,12 @@ def singular_arcs(lengths: Lengths, pairs: Collection[Signs]) -> tuple[NamedArc,
 
 
 def isolated_points(lengths: Lengths) -> tuple[Point, ...]:
-    """Return the base joints where r1 = r2: inner reach circles of no radius, singular points."""
+    """Return the base joints where r1 = r2: inner reach circles of no radius, singular points.
+
+    Those that the other leg reaches, and not just so: there its outer circle passes.
+    """
     r1, r2, r3 = lengths
-    if abs(r1 - r2) >= POINT_RADIUS or 2.0 * r3 > r1 + r2:
+    if abs(r1 - r2) >= POINT_RADIUS or 2.0 * r3 > r1 + r2 - _SAME:
         return ()
     return ((-r3, 0.0), (r3, 0.0)) if r3 > 0.0 else ((0.0, 0.0),)
 
