@@ -101,6 +101,7 @@ def animate(
     from fivebar_atlas.figures.animation import path_animation
     from fivebar_atlas.figures.animation_files import (
         check_animation_output,
+        frame_seconds,
         save_animation,
         save_frames,
     )
@@ -119,10 +120,12 @@ def animate(
     animation = path_animation(checked, _FRAMES if frames is None else frames, width)
     with Progress(len(animation), quiet=quiet, things="frames") as progress:
         save_animation(animation, output, fps, overwrite, progress.advance)
+    shown = frame_seconds(output, fps)
     if data is not None:
-        save_frames(animation, data, fps, machine.unit, overwrite)
+        save_frames(animation, data, shown, machine.unit, overwrite)
     if not quiet:
-        click.echo(f"{output}: {len(animation)} frames, {len(animation) / fps:.3g} s", err=True)
+        total = len(animation) * shown
+        click.echo(f"{output}: {len(animation)} frames, {total:.3g} s", err=True)
 
 
 def _path(

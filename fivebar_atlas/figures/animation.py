@@ -19,6 +19,7 @@ from fivebar_atlas.errors import InputError
 from fivebar_atlas.figures import style
 from fivebar_atlas.figures.colour_bar import KeyEntry, draw_key, key_height
 from fivebar_atlas.figures.contour_levels import level_text, round_levels
+from fivebar_atlas.figures.curves import BACKGROUND_LEVEL, draw_arcs, kind_entries
 from fivebar_atlas.figures.drawing_area import FILL_LEVEL, REGION_LEVEL
 from fivebar_atlas.figures.linkage import LinkageArtists, draw_linkage
 from fivebar_atlas.figures.plane_frame import (
@@ -32,7 +33,7 @@ from fivebar_atlas.figures.plane_frame import (
 from fivebar_atlas.figures.text_placement import text_size
 from fivebar_atlas.figures.wording import MINUS, coordinate_label, title_text
 from fivebar_atlas.mechanisms.planar import PlanarDesign, Pose
-from fivebar_atlas.planar_geometry import FloatArray, NamedArc
+from fivebar_atlas.planar_geometry import FloatArray
 
 #: Width of the figure if nothing is said, in millimetres.
 WIDTH = style.COLUMN_WIDTH
@@ -42,13 +43,14 @@ FRAMES_RANGE = (2, 1000)
 _GAP = 1.2
 _READOUT = 4.4
 _STRIP = 15.0
-_STRIP_TICKS = 3.2
+_STRIP_TICKS = 3.5
 _STRIP_LABEL = 4.4
-_RIGHT = 2.5
 _COLUMN_GAP = 4.0
 # Parts of the path between which the LCI and the trace are drawn, besides its corners.
 _PARTS = 600
 _MOST_TICKS = 8
+# Points.
+_TICK_PAD = 2.4
 
 _WORKSPACE_LOOK: dict[str, Any] = {"facecolor": style.WORKSPACE, "edgecolor": "none"}
 _TRACE_LOOK: dict[str, Any] = {"color": style.REGION, "linewidth": 1.4}
@@ -188,30 +190,23 @@ def _draw_plane(
     loci = design.singular_loci(mode)
     joints = np.array([joint.position for pose in poses for joint in pose.joints])
     bounds = bounds_of([np.stack(bounds_of_arcs([*region.arcs, *loci])), joints])
-    entries = _key(region.arcs)
+    entries = [
+        KeyEntry("usable workspace", _WORKSPACE_LOOK),
+        KeyEntry("path so far", _TRACE_LOOK),
+        *kind_entries([*region.arcs, *loci]),
+    ]
     below = _GAP + _READOUT + _STRIP + _STRIP_TICKS + _STRIP_LABEL
     title = title_text("Path", design, mode)
     frame = plane_frame(bounds, design.unit, title, width, below + key_height(entries, width))
     draw_key(frame, entries, below)
     draw_origin(frame)
-    fine = flatness(*bounds)
-    frame.fill("usable-workspace", region.polygons(fine), FILL_LEVEL, **_WORKSPACE_LOOK)
-    for each in loci:
-        look = style.curve_look(each.kind) | {"linewidth": 0.5, "alpha": 0.6}
-        frame.line(each.arc.polyline(fine), f"locus-{each.name}", **look)
-    for each in region.arcs:
-        frame.line(each.arc.polyline(fine), each.name, **style.curve_look(each.kind))
+    frame.fill(
+        "usable-workspace", region.polygons(flatness(*bounds)), FILL_LEVEL, **_WORKSPACE_LOOK
+    )
+    draw_arcs(frame, loci, "locus", zorder=BACKGROUND_LEVEL, linewidth=0.5, alpha=0.6)
+    draw_arcs(frame, region.arcs, "boundary")
     frame.line(way, "path", color=style.FAINT, linewidth=0.6, zorder=REGION_LEVEL)
     return frame
-
-
-def _key(arcs: Sequence[NamedArc]) -> list[KeyEntry]:
-    """Return what the lines and the tint of the panel mean."""
-    entries = [KeyEntry("usable workspace", _WORKSPACE_LOOK), KeyEntry("path so far", _TRACE_LOOK)]
-    for kind in dict.fromkeys(each.kind for each in arcs):
-        symbols = dict.fromkeys(each.symbol for each in arcs if each.kind == kind)
-        entries.append(KeyEntry(f"{', '.join(symbols)} ({kind})", style.curve_look(kind)))
-    return entries
 
 
 def _draw_strip(frame: PlaneFrame, lengths: FloatArray, lci: FloatArray) -> Line2D:
@@ -228,6 +223,8 @@ def _draw_strip(frame: PlaneFrame, lengths: FloatArray, lci: FloatArray) -> Line
     axes.set_xticks(ticks, [level_text(tick, levels) for tick in ticks])
     axes.set_yticks([0.0, 0.5, 1.0], ["0", "0.5", "1"])
     axes.tick_params(labelsize=style.TICK_SIZE, labelcolor=style.INK, color=style.INK)
+    # clear of the lowest label of the other axis
+    axes.tick_params(axis="x", pad=_TICK_PAD)
     axes.plot(lengths, lci, color=style.INK, linewidth=0.9, gid="lci")
     (marker,) = axes.plot(
         lengths[:1],

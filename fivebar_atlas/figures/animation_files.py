@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -34,6 +35,8 @@ FORMATS = ("gif", "mp4")
 #: Frames a second; viewers show GIF files no faster.
 FRAME_RATE_RANGE = (1, 50)
 
+# Colours of a palette, and those among them that are there for being frequent.
+_COLOURS, _FREQUENT = 256, 128
 # Frames whose colours make the palette of all.
 _PALETTE_FRAMES = 6
 
@@ -65,8 +68,15 @@ def check_animation_output(path: Path, frame_rate: int, overwrite: bool = False)
     if not least <= frame_rate <= most:
         raise InputError("fps", frame_rate, f"frames a second from {least} to {most}")
     check_output(path, overwrite)
-    if _format(path) == "mp4" and not FFMpegWriter.isAvailable():
+    with style.styled():
+        is_writable = _format(path) != "mp4" or FFMpegWriter.isAvailable()
+    if not is_writable:
         raise FileError(path, "MP4 needs ffmpeg, which is not found; install it, or write a .gif")
+
+
+def frame_seconds(path: Path, frame_rate: int) -> float:
+    """Return how long a frame is shown: in a GIF file whole hundredths of a second."""
+    return round(100 / frame_rate) / 100 if _format(path) == "gif" else 1.0 / frame_rate
 
 
 def save_animation(
@@ -85,7 +95,7 @@ def save_animation(
     path
         The file; its ending decides the format.
     frame_rate
-        Frames a second; a GIF file counts the time of a frame in hundredths of a second.
+        Frames a second; see :func:`frame_seconds`.
     overwrite
         Whether an existing file may be replaced.
     advance
@@ -104,7 +114,8 @@ def save_animation(
         writer: FFMpegWriter | PillowWriter
         if _format(path) == "gif":
             shown = np.linspace(0, len(animation) - 1, _PALETTE_FRAMES).astype(int)
-            writer = _GifWriter(frame_rate, np.concatenate([draw(number) for number in shown]))
+            seconds = frame_seconds(path, frame_rate)
+            writer = _GifWriter(seconds, np.concatenate([draw(number) for number in shown]))
         else:
             writer = FFMpegWriter(fps=frame_rate)
         try:
@@ -119,7 +130,7 @@ def save_animation(
 
 
 def save_frames(
-    animation: PathAnimation, path: Path, frame_rate: int, unit: str, overwrite: bool = False
+    animation: PathAnimation, path: Path, seconds: float, unit: str, overwrite: bool = False
 ) -> None:
     """Write what the frames of an animation show as comma-separated values, one row a frame.
 
@@ -129,8 +140,8 @@ def save_frames(
         The animation.
     path
         The file.
-    frame_rate
-        Frames a second.
+    seconds
+        How long a frame is shown.
     unit
         Unit of lengths, for the names of their columns; empty where they are
         non-dimensional.
@@ -160,7 +171,7 @@ def save_frames(
             places = [part for joint in pose.joints for part in joint.position]
             angles = np.degrees(animation.inputs[number]).tolist()
             length, lci = float(animation.lengths[number]), float(animation.lci[number])
-            writer.writerow([number + 1, number / frame_rate, length, *places, *angles, lci])
+            writer.writerow([number + 1, number * seconds, length, *places, *angles, lci])
 
 
 @contextmanager
@@ -221,17 +232,16 @@ class _GifWriter(PillowWriter):
 
     Parameters
     ----------
-    frame_rate
-        Frames a second.
+    seconds
+        How long a frame is shown.
     sample
         Pixels with all colours there are, shape (height, width, 4).
     """
 
-    def __init__(self, frame_rate: int, sample: Pixels) -> None:
-        super().__init__(fps=frame_rate)
-        self._palette = _image(sample).quantize(
-            method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
-        )
+    def __init__(self, seconds: float, sample: Pixels) -> None:
+        super().__init__()
+        self._milliseconds = round(1000 * seconds)
+        self._matched, self._shown = _palettes(sample)
         self._images: list[Image.Image] = []
 
     def grab_frame(self, **_: Any) -> None:
@@ -240,19 +250,40 @@ class _GifWriter(PillowWriter):
         self.fig.savefig(picture)
         width, height = self.frame_size
         pixels = np.frombuffer(picture.getbuffer(), dtype=np.uint8).reshape(height, width, 4)
-        self._images.append(
-            _image(pixels).quantize(palette=self._palette, dither=Image.Dither.NONE)
-        )
+        image = _image(pixels).quantize(palette=self._matched, dither=Image.Dither.NONE)
+        image.putpalette(self._shown)
+        self._images.append(image)
 
     def finish(self) -> None:
         """Write the file."""
-        hundredths = round(100 / self.fps)
         if not self._images:
             return
         first, *others = self._images
         first.save(
-            self.outfile, save_all=True, append_images=others, duration=10 * hundredths, loop=0
+            self.outfile, save_all=True, append_images=others, duration=self._milliseconds, loop=0
         )
+
+
+def _palettes(sample: Pixels) -> tuple[Image.Image, list[int]]:
+    """Return what colours are matched with, and what they are shown as in its place.
+
+    Pillow measures distances from the least corner of a cell, which is 4 wide in each of red,
+    green and blue. So that is what the palette has for matching; what is shown is the
+    most frequent colour of the cell, or one that covers rare ones.
+    """
+    image = _image(sample)
+    counted: list[Any] = image.getcolors(image.width * image.height) or []
+    frequent = [colour for _, colour in sorted(counted, key=lambda each: (-each[0], each[1]))]
+    cover = image.quantize(_COLOURS, Image.Quantize.MAXCOVERAGE).getpalette() or []
+    rare = list(zip(cover[::3], cover[1::3], cover[2::3], strict=True))
+    shown: dict[tuple[int, ...], tuple[int, ...]] = {}
+    for limit, colours in ((_FREQUENT, frequent), (_COLOURS, rare)):
+        for colour in colours:
+            if len(shown) < limit:
+                shown.setdefault(tuple(part & ~3 for part in colour), colour)
+    matched = Image.new("P", (1, 1))
+    matched.putpalette(list(itertools.chain.from_iterable(shown)))
+    return matched, list(itertools.chain.from_iterable(shown.values()))
 
 
 def _image(pixels: Pixels) -> Image.Image:
