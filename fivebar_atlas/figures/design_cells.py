@@ -28,7 +28,7 @@ CELLS_RANGE = (12, 400)
 DEFAULT_CELLS = 50
 
 # Largest distance of a drawn chord from its arc, in units of D: far less than a line's width.
-_DEVIATION = 2e-3
+_DEVIATION = 1e-3
 # Steps of the lattice that every sub-region, however narrow, has a design of.
 _FINE = 120
 # Cross products closer to zero than this are those of designs on a border.
@@ -233,24 +233,26 @@ def representative_designs(mechanism: Mechanism, space: str, cells: int) -> Floa
     chart = mechanism.chart(space)
     edge = np.stack([chart.outline, np.roll(chart.outline, -1, axis=0)], axis=1)
     fine = mechanism.project(mechanism.lattice(space, _FINE))
-    wanted = _interiors(_sides(chart.borders, fine))
+    wanted = _interiors(_sides([*chart.borders, *edge], fine))
     best: FloatArray | None = None
     best_cost = (0, 0)
-    for steps in range(2, mechanism.resolution_range[1] // 2):
+    steps = 1
+    while True:
+        steps += 1
         lattices = _coarse_lattices(mechanism, space, steps)
+        # finer ones have still more designs
         if best is not None and min(map(len, lattices)) - cells > best_cost[0]:
-            break
+            return best
         for designs in lattices:
             points = mechanism.project(designs)
-            sides = _sides(chart.borders, points)
-            on_borders = int((sides == 0).any(axis=1).sum())
-            on_edge = int((_sides(edge, points) == 0).any(axis=1).sum())
+            of_borders, of_edge = _sides(chart.borders, points), _sides(edge, points)
+            on_borders, on_edge = (
+                int((sides == 0).any(axis=1).sum()) for sides in (of_borders, of_edge)
+            )
             cost = abs(len(designs) - cells) + on_borders, on_edge
-            if (best is None or cost < best_cost) and _interiors(sides) >= wanted:
+            represented = _interiors(np.hstack([of_borders, of_edge]))
+            if (best is None or cost < best_cost) and represented >= wanted:
                 best, best_cost = designs, cost
-    if best is None:
-        raise InputError("space", space, "a design space whose lattice is regular in its chart")
-    return best
 
 
 def write_cells(
@@ -321,11 +323,10 @@ def _coarse_lattices(mechanism: Mechanism, space: str, steps: int) -> tuple[Floa
     """
     designs = mechanism.lattice(space, 2 * steps)
     points = mechanism.project(designs)
-    heights = np.unique(np.round(points[:, 1], 9))
-    if len(heights) < 2:
+    _, row = np.unique(np.round(points[:, 1], 9), return_inverse=True)
+    first, second = (np.sort(points[row == number, 0]) for number in (0, 1))
+    if len(first) < 2 or len(second) == 0:  # all designs lie on a line
         return (designs,)
-    row = np.rint((points[:, 1] - heights[0]) / (heights[1] - heights[0])).astype(np.int64)
-    first, second = np.sort(points[row == 0, 0]), np.sort(points[row == 1, 0])
     step = first[1] - first[0]
     column = np.rint((points[:, 0] - first[0] - row * (second[0] - first[0])) / step)
     return tuple(
