@@ -232,7 +232,7 @@ def test_largest_index_as_a_limit_in_a_corner() -> None:
     grid = naive.evaluate(1.0, 0.7, 1.3, *UP, n=1501)
     assert grid["max_lci"] <= values["max_lci"][0, 0]
     assert largest_index_near((1.0, 0.7, 1.3), UP, 0.0, height) == pytest.approx(
-        values["max_lci"][0, 0], abs=1e-4
+        values["max_lci"][0, 0], abs=2e-3
     )
 
 
