@@ -9,7 +9,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from fivebar_atlas.figures.saving import save_figure
 from fivebar_atlas.output_file import atomic_output
 from fivebar_atlas.planar_geometry import FloatArray
 
@@ -90,3 +92,23 @@ class PlottedData:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(header)
             writer.writerows(self.rows())
+
+
+def save_outputs(
+    figure: Figure,
+    output: Path,
+    data: PlottedData,
+    data_path: Path | None,
+    unit: str,
+    overwrite: bool,
+) -> None:
+    """Write a figure and, where that is wanted, what it shows as numbers.
+
+    Raises
+    ------
+    FileUsageError, FileError
+        If a file cannot be written or exists already.
+    """
+    if data_path is not None:
+        data.write(data_path, unit, overwrite)
+    save_figure(figure, output, overwrite)

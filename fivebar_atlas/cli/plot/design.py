@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from fivebar_atlas.cli import options
-from fivebar_atlas.cli.plot.group import Command, figure_options, plot
+from fivebar_atlas.cli.plot.group import Command, check_outputs, data_option, figure_options, plot
 from fivebar_atlas.cli.progress import note_compilation
 from fivebar_atlas.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from fivebar_atlas.figures.plotted_data import PlottedData
     from fivebar_atlas.mechanisms.planar import PlanarDesign, Pose
 
 Pair = tuple[float, float]
@@ -26,13 +23,6 @@ Pair = tuple[float, float]
 
 def _one_design(command: Command) -> Command:
     """Add what every figure of one design has: the design, the outputs, the width."""
-    data_option = click.option(
-        "--data",
-        "data_path",
-        type=click.Path(path_type=Path),
-        metavar="FILE.csv",
-        help="Also write every plotted coordinate.",
-    )
     return options.design_options(data_option(figure_options(command)))
 
 
@@ -50,40 +40,11 @@ def _levels(
         raise click.BadParameter(f"{text!r} is not numbers separated by commas.") from None
 
 
-def _check_outputs(output: Path, data_path: Path | None, overwrite: bool) -> None:
-    """Refuse outputs that cannot be written, before any work is done for them."""
-    from fivebar_atlas.figures.saving import check_figure_output
-    from fivebar_atlas.output_file import check_output
-
-    check_figure_output(output, overwrite)
-    if data_path is not None:
-        if data_path.resolve() == output.resolve():
-            raise InputError("--data", str(data_path), "another file than the figure")
-        check_output(data_path, overwrite)
-
-
-def _save(
-    figure: Figure,
-    data: PlottedData,
-    unit: str,
-    output: Path,
-    data_path: Path | None,
-    overwrite: bool,
-) -> None:
-    """Write the figure, and what it shows as numbers where that is wanted."""
-    from fivebar_atlas.figures.saving import save_figure
-
-    if data_path is not None:
-        data.write(data_path, unit, overwrite)
-    save_figure(figure, output, overwrite)
-
-
-def _checked_threshold(design: PlanarDesign, lci: float) -> float:
-    """Return a threshold; it is refused under the name it was given by."""
+def _check_threshold(design: PlanarDesign, lci: float) -> None:
+    """Refuse a threshold out of range under the name it was given by."""
     from fivebar_atlas import mechanisms
 
     mechanisms.get(design.mechanism).check_thresholds([lci], "--lci")
-    return lci
 
 
 def _note_what_is_empty(design: PlanarDesign, mode: str, lci: float | None = None) -> None:
@@ -161,11 +122,7 @@ def mechanism(
     inputs: Pair | None,
     mode: str | None,
     all_solutions: bool,
-    output: Path,
-    data_path: Path | None,
-    width: float,
-    overwrite: bool,
-    **design_choices: Any,
+    **choices: Any,
 ) -> None:
     """Draw the linkage in a pose, with joints, links and input angles named.
 
@@ -174,71 +131,49 @@ def mechanism(
     kinematics.
     """
     from fivebar_atlas.figures.linkage_figure import linkage_figure
-    from fivebar_atlas.figures.plotted_data import PlottedData
 
     if at is not None and inputs is not None:
         raise click.UsageError("--at and --inputs exclude each other")
     if all_solutions and mode is not None and (at is not None or inputs is not None):
         raise click.UsageError("--all draws every mode; --mode excludes it")
-    _check_outputs(output, data_path, overwrite)
-    design = options.planar_design(**design_choices)
-    note_compilation()
-    poses = _poses(design, mode, at, inputs, all_solutions)
-    data = PlottedData()
-    figure = linkage_figure(design, poses, width=width, data=data)
-    _save(figure, data, design.unit, output, data_path, overwrite)
+
+    def make(design: PlanarDesign, **drawing: Any) -> Any:
+        return linkage_figure(design, _poses(design, mode, at, inputs, all_solutions), **drawing)
+
+    _draw(make, **choices)
 
 
 @plot.command("loci", context_settings=options.NEGATIVE_NUMBERS)
 @_one_design
 @click.option("--mode", metavar="MODE", help="Mode pair or working mode, for its loci only.")
-def loci(
-    mode: str | None,
-    output: Path,
-    data_path: Path | None,
-    width: float,
-    overwrite: bool,
-    **design_choices: Any,
-) -> None:
+def loci(mode: str | None, **choices: Any) -> None:
     """Draw the singular loci of a design, all or those of one mode."""
     from fivebar_atlas.figures.loci_figure import loci_figure
-    from fivebar_atlas.figures.plotted_data import PlottedData
 
-    _check_outputs(output, data_path, overwrite)
-    design = options.planar_design(**design_choices)
-    note_compilation()
-    data = PlottedData()
-    figure = loci_figure(design, mode, width=width, data=data)
-    _save(figure, data, design.unit, output, data_path, overwrite)
+    def make(design: PlanarDesign, **drawing: Any) -> Any:
+        return loci_figure(design, mode, **drawing)
+
+    _draw(make, **choices)
 
 
 @plot.command("workspace", context_settings=options.NEGATIVE_NUMBERS)
 @_one_design
 @options.one_mode_option
-def workspace(
-    mode: str | None,
-    output: Path,
-    data_path: Path | None,
-    width: float,
-    overwrite: bool,
-    **design_choices: Any,
-) -> None:
+def workspace(mode: str | None, **choices: Any) -> None:
     """Draw the usable workspace, what bounds it, and the linkage in it.
 
     Boundary arcs are named and drawn by kind of singularity; maximal inscribed circles are
     dotted.
     """
-    from fivebar_atlas.figures.plotted_data import PlottedData
     from fivebar_atlas.figures.workspace_figure import workspace_figure
 
-    _check_outputs(output, data_path, overwrite)
-    design = options.planar_design(**design_choices)
-    pair = options.mode_pair(design, mode)
-    note_compilation()
-    data = PlottedData()
-    figure = workspace_figure(design, pair, width=width, data=data)
-    _save(figure, data, design.unit, output, data_path, overwrite)
-    _note_what_is_empty(design, pair)
+    def make(design: PlanarDesign, **drawing: Any) -> Any:
+        pair = options.mode_pair(design, mode)
+        figure = workspace_figure(design, pair, **drawing)
+        _note_what_is_empty(design, pair)
+        return figure
+
+    _draw(make, **choices)
 
 
 @plot.command("good-condition", context_settings=options.NEGATIVE_NUMBERS)
@@ -252,28 +187,18 @@ def workspace(
     metavar="THRESHOLD",
     help="LCI threshold, above 0 and below 1.",
 )
-def good_condition(
-    mode: str | None,
-    lci: float,
-    output: Path,
-    data_path: Path | None,
-    width: float,
-    overwrite: bool,
-    **design_choices: Any,
-) -> None:
+def good_condition(mode: str | None, lci: float, **choices: Any) -> None:
     """Draw the part of the usable workspace where the LCI reaches a threshold."""
-    from fivebar_atlas.figures.plotted_data import PlottedData
     from fivebar_atlas.figures.workspace_figure import good_condition_figure
 
-    _check_outputs(output, data_path, overwrite)
-    design = options.planar_design(**design_choices)
-    pair = options.mode_pair(design, mode)
-    lci = _checked_threshold(design, lci)
-    note_compilation()
-    data = PlottedData()
-    figure = good_condition_figure(design, pair, lci, width=width, data=data)
-    _save(figure, data, design.unit, output, data_path, overwrite)
-    _note_what_is_empty(design, pair, lci)
+    def make(design: PlanarDesign, **drawing: Any) -> Any:
+        pair = options.mode_pair(design, mode)
+        _check_threshold(design, lci)
+        figure = good_condition_figure(design, pair, lci, **drawing)
+        _note_what_is_empty(design, pair, lci)
+        return figure
+
+    _draw(make, **choices)
 
 
 @plot.command("lci", context_settings=options.NEGATIVE_NUMBERS)
@@ -291,30 +216,46 @@ def good_condition(
     metavar="VALUES",
     help="Contours, such as 0.25,0.5,0.75; round ones if not given.",
 )
-def lci(
-    mode: str | None,
-    lci: float | None,
-    levels: list[float] | None,
-    output: Path,
-    data_path: Path | None,
-    width: float,
-    overwrite: bool,
-    **design_choices: Any,
+def lci_map(
+    mode: str | None, lci: float | None, levels: list[float] | None, **choices: Any
 ) -> None:
-    """Draw the local conditioning index over the usable workspace.
+    """Draw the local conditioning index (LCI) over the usable workspace.
 
     With --lci over the good-condition workspace.
     """
     from fivebar_atlas.figures.lci_figure import lci_figure
-    from fivebar_atlas.figures.plotted_data import PlottedData
 
-    _check_outputs(output, data_path, overwrite)
+    def make(design: PlanarDesign, **drawing: Any) -> Any:
+        pair = options.mode_pair(design, mode)
+        if lci is not None:
+            _check_threshold(design, lci)
+        figure = lci_figure(design, pair, lci, levels, **drawing)
+        _note_what_is_empty(design, pair, lci)
+        return figure
+
+    _draw(make, **choices)
+
+
+def _draw(
+    make: Callable[..., Any],
+    output: Path,
+    data: Path | None,
+    width: float,
+    overwrite: bool,
+    **design_choices: Any,
+) -> None:
+    """Draw and save one figure and the coordinates in it.
+
+    ``make`` takes the design, the width and what plotted data are added to, and returns the
+    figure.
+    """
+    from fivebar_atlas.figures.drawing_area import check_width
+    from fivebar_atlas.figures.plotted_data import PlottedData, save_outputs
+
+    check_outputs(output, data, overwrite)
+    check_width(width)
     design = options.planar_design(**design_choices)
-    pair = options.mode_pair(design, mode)
-    if lci is not None:
-        lci = _checked_threshold(design, lci)
     note_compilation()
-    data = PlottedData()
-    figure = lci_figure(design, pair, lci, levels, width=width, data=data)
-    _save(figure, data, design.unit, output, data_path, overwrite)
-    _note_what_is_empty(design, pair, lci)
+    plotted = PlottedData()
+    figure = make(design, width=width, data=plotted)
+    save_outputs(figure, output, plotted, data, design.unit, overwrite)
