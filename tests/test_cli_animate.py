@@ -335,6 +335,7 @@ def test_parallel_singularity_is_named(refused: Callable[..., str], tmp_path: Pa
         (("-o", "a.gif", "--seconds", 0), "seconds: 0.0 is not allowed"),
         (("-o", "a.gif", "--seconds", "nan"), "seconds: nan"),
         (("-o", "a.gif", "--seconds", 1e9), "frames: "),
+        (("-o", "a.gif", "--width", 300, "--frames", 1000), "at most 2"),
         (("-o", "a.gif", "--width", 20), "width: 20.0 is not allowed"),
         (("-o", "a.gif", "--inset", 30), "margin: 30.0 is not allowed; expected a length of at mo"),
         (("-o", "a.gif", "--inset", 0), "margin: 0.0"),

@@ -37,6 +37,8 @@ FRAME_RATE_RANGE = (1, 50)
 
 # Colours of a palette, and those among them that are there for being frequent.
 _COLOURS, _FREQUENT = 256, 128
+# Pixels that all frames of a GIF file may have together, a byte each.
+_MOST_PIXELS = 2_000_000_000
 # Frames whose colours make the palette of all.
 _PALETTE_FRAMES = 6
 
@@ -104,7 +106,8 @@ def save_animation(
     Raises
     ------
     InputError
-        If the ending is not that of a format, or the frame rate out of range.
+        If the ending is not that of a format, the frame rate out of range, or the frames of
+        a GIF file, which are kept until the last one is drawn, too many for their size.
     FileUsageError, FileError
         If the file cannot be written or exists already.
     """
@@ -113,6 +116,7 @@ def save_animation(
         screen = _Screen(draw(0))
         writer: FFMpegWriter | PillowWriter
         if _format(path) == "gif":
+            _check_memory(len(animation), screen.pixels)
             shown = np.linspace(0, len(animation) - 1, _PALETTE_FRAMES).astype(int)
             seconds = frame_seconds(path, frame_rate)
             writer = _GifWriter(seconds, np.concatenate([draw(number) for number in shown]))
@@ -261,6 +265,19 @@ class _GifWriter(PillowWriter):
         first, *others = self._images
         first.save(
             self.outfile, save_all=True, append_images=others, duration=self._milliseconds, loop=0
+        )
+
+
+def _check_memory(frames: int, pixels: Pixels) -> None:
+    """Raise InputError if the frames of a GIF file do not fit into memory together."""
+    height, width = pixels.shape[:2]
+    most = _MOST_PIXELS // (height * width)
+    if frames > most:
+        raise InputError(
+            "frames",
+            frames,
+            f"at most {most} of {width} by {height} pixels in a GIF file; narrower ones, or MP4, "
+            "can be more",
         )
 
 
