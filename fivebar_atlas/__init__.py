@@ -4,7 +4,9 @@ The public Python interface:
 
 :class:`FiveBar`
     One symmetric five-bar manipulator: positions, Jacobian matrices and LCI at points, and
-    its workspaces and conditioning indices for any mode pair.
+    its workspaces and conditioning indices for any mode pair, its loci and outlines as arcs.
+:func:`planar_design`
+    One design in the unit of its machine, as figures and files of its geometry take it.
 :func:`open_atlas`
     Opens a result file for reading.
 :class:`AtlasError` and its subclasses
@@ -23,9 +25,12 @@ if TYPE_CHECKING:
         AtlasError,
         FileError,
         FileUsageError,
+        InfeasiblePathError,
         InputError,
+        OutOfReachError,
         UnknownNameError,
     )
+    from fivebar_atlas.mechanisms import planar_design
     from fivebar_atlas.mechanisms.five_bar.five_bar import FiveBar
     from fivebar_atlas.store import open_atlas
 
@@ -36,10 +41,13 @@ __all__ = [
     "FileError",
     "FileUsageError",
     "FiveBar",
+    "InfeasiblePathError",
     "InputError",
+    "OutOfReachError",
     "UnknownNameError",
     "__version__",
     "open_atlas",
+    "planar_design",
 ]
 
 #: Module that defines each public name.
@@ -48,9 +56,12 @@ _MODULES = {
     "FileError": "fivebar_atlas.errors",
     "FileUsageError": "fivebar_atlas.errors",
     "FiveBar": "fivebar_atlas.mechanisms.five_bar.five_bar",
+    "InfeasiblePathError": "fivebar_atlas.errors",
     "InputError": "fivebar_atlas.errors",
+    "OutOfReachError": "fivebar_atlas.errors",
     "UnknownNameError": "fivebar_atlas.errors",
     "open_atlas": "fivebar_atlas.store",
+    "planar_design": "fivebar_atlas.mechanisms",
 }
 
 

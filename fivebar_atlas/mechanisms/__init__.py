@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import functools
 import importlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from fivebar_atlas.errors import UnknownNameError
 from fivebar_atlas.mechanisms.base import Mechanism
+
+if TYPE_CHECKING:
+    from fivebar_atlas.mechanisms.planar import PlanarDesign
 
 _REGISTRY = {
     "five-bar": "fivebar_atlas.mechanisms.five_bar.mechanism:FiveBarMechanism",
@@ -32,3 +37,37 @@ def get(name: str) -> Mechanism:
     module, _, attribute = _REGISTRY[name].partition(":")
     mechanism: Mechanism = getattr(importlib.import_module(module), attribute)()
     return mechanism
+
+
+def planar_design(
+    *lengths: float, unit: str | None = None, mechanism: str | None = None
+) -> PlanarDesign:
+    """Return one design, in the unit of its machine, for figures and files of its geometry.
+
+    Parameters
+    ----------
+    *lengths
+        One number for each parameter of the mechanism: R1, R2, R3 of a five-bar.
+    unit
+        Unit of the lengths; ``""`` for the non-dimensional design, whatever the lengths.
+        Where nothing is said it is mm, or ``""`` if the lengths are non-dimensional already.
+    mechanism
+        Name of the mechanism; the five-bar where nothing is said.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such mechanism.
+    InputError
+        If the lengths make no mechanism, or its output does not move in a plane.
+
+    Examples
+    --------
+    >>> from fivebar_atlas import planar_design
+    >>> machine = planar_design(26, 30, 16)
+    >>> round(machine.usable_workspace("+-/up").area, 2), machine.unit
+    (5371.36, 'mm')
+    >>> machine.check_path([[0.0, 36.0], [10.0, 36.0]], "+-/up").feasible
+    True
+    """
+    return get(mechanism or names()[0]).planar_design(lengths, unit)

@@ -11,6 +11,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
+import numpy as np
+
 from fivebar_atlas.errors import OutOfReachError
 from fivebar_atlas.mechanisms.base import FloatArray
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
@@ -243,6 +245,13 @@ class PlanarDesign(ABC):
         """
 
     @abstractmethod
+    def largest_lci(self, mode: str) -> tuple[float, Point] | None:
+        """Return the largest LCI of the usable workspace of a mode pair, and where it is.
+
+        It may be a limit in a corner of the workspace. None where the workspace is empty.
+        """
+
+    @abstractmethod
     def pose(self, x: float, y: float, mode: str) -> Pose:
         """Return the linkage with its output point at P, in a mode pair or working mode.
 
@@ -364,11 +373,17 @@ class ScaledDesign(PlanarDesign):
 
     def lci(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
         """Return the LCI at points in a working mode; NaN out of reach."""
-        return self._design.lci(x / self.factor, y / self.factor, mode)
+        return self._design.lci(np.divide(x, self.factor), np.divide(y, self.factor), mode)
 
     def lci_inside(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
         """Return the LCI at points of the usable workspace of a mode pair, 0 elsewhere."""
-        return self._design.lci_inside(x / self.factor, y / self.factor, mode)
+        x, y = np.divide(x, self.factor), np.divide(y, self.factor)
+        return self._design.lci_inside(x, y, mode)
+
+    def largest_lci(self, mode: str) -> tuple[float, Point] | None:
+        """Return the largest LCI of the usable workspace of a mode pair, and where it is."""
+        found = self._design.largest_lci(mode)
+        return None if found is None else (found[0], self._out(found[1]))
 
     def pose(self, x: float, y: float, mode: str) -> Pose:
         """Return the linkage with its output point at P, in a mode pair or working mode."""
@@ -388,6 +403,7 @@ class ScaledDesign(PlanarDesign):
 
     def check_path(self, points: FloatArray, mode: str) -> PathReport:
         """Tell whether a path can be followed in a mode pair, exactly between its points too."""
+        points = np.array(points, dtype=np.float64)
         report = self._design.check_path(points / self.factor, mode)
         fault = report.fault
         if fault is not None:

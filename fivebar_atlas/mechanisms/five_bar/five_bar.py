@@ -327,6 +327,16 @@ class FiveBar(PlanarDesign):
             return np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y)))
         return workspace.lci(x, y)
 
+    def largest_lci(self, mode: str = "+-/up") -> tuple[float, Point] | None:
+        """Return the largest LCI of the usable workspace of a mode pair, and where it is.
+
+        It may be a limit in a corner of the workspace. None where the workspace is empty.
+        """
+        values = self.evaluate(mode, (), _MECHANISM.tolerance_range[1])
+        if values["max_lci"] is None:
+            return None
+        return values["max_lci"], (values["max_lci_x"], values["max_lci_y"])
+
     def pose(self, x: float, y: float, mode: str = "+-") -> Pose:
         """Return the linkage with its output point at P, in a mode pair or working mode.
 
