@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import importlib
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fivebar_atlas.errors import UnknownNameError
