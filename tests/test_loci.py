@@ -316,3 +316,32 @@ def test_curves_that_a_design_has_not() -> None:
     for each in extended:  # ρ² = r1² - r2²
         radii = np.hypot(*each.arc.points(np.linspace(0.0, 1.0, 50)).T)
         np.testing.assert_allclose(radii, math.sqrt(1.8), rtol=1e-15)
+
+
+@pytest.mark.xfail(strict=True, reason="arcs of C_col on C_1i and C_2i get modes by rounding")
+def test_sides_where_half_of_c_col_lies_on_reach_circles() -> None:
+    """R = 2 : 1 : 1. Of C_col the circle of radius r1 is left, one half for +- and one for -+."""
+    for each in singular_arcs(TRIPLE, MODES):
+        if each.name != "C_col":
+            continue
+        for x, y in each.arc.points(np.linspace(0.05, 0.95, 10)):
+            for pair in each.sides:
+                s1, s2 = (1 if sign == "+" else -1 for sign in pair[:2])
+                inner, outer = (naive.det_b(*TRIPLE, f * x, f * y, s1, s2) for f in (0.999, 1.001))
+                assert inner * outer < 0.0, (x, y, pair)
+
+
+@pytest.mark.xfail(
+    strict=True, reason="ends of C_col at the origin are up to 2e-4 off and unjoined"
+)
+def test_c_col_goes_on_through_the_origin() -> None:
+    """Where r3² = r1² + r2² or r2² = r1² + r3², rounded angles leave C_col apart at the origin."""
+    for design in (
+        (1.0, 0.75, 1.25),
+        (0.75, 1.25, 1.0),
+        (1.1911145038199178, 1.2966396379669818, 0.5122458582131004),
+    ):
+        for each in singular_arcs(design, MODES):
+            if each.name == "C_col" and each.ends != (CLOSED, CLOSED):
+                for end in (each.arc.start, each.arc.end):
+                    assert math.hypot(*end) > 1e-3, design

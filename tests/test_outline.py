@@ -294,3 +294,27 @@ def test_mirror_images() -> None:
                 for end in (each.arc.start, each.arc.end)
             }
             assert one.region.area == pytest.approx(two.region.area, rel=1e-12, abs=1e-14)
+
+
+@pytest.mark.xfail(strict=True, reason="ends of C_col are moved onto vertices, its pieces are not")
+def test_area_of_designs_next_to_those_where_curves_begin_to_meet() -> None:
+    for design, mode in (
+        ((0.9752564930454324, 1.0123717534724583, 1.012371753482109), (1, 1, 1)),  # r2 = r3
+        ((1.5000000036374097, 0.5000000016371556, 0.9999999947254341), (1, -1, -1)),  # r1 = r2 + r3
+    ):
+        workspace = usable_workspace_of(design, mode)
+        assert workspace is not None
+        assert workspace.region.area == pytest.approx(workspace.area, rel=1e-9)
+
+
+@pytest.mark.xfail(strict=True, reason="det B of ++ and -- is rounding where r3 is less than 1e-14")
+def test_a_base_of_rounding_is_none_or_a_short_one() -> None:
+    """3 - 2.01 - 0.99 is 2.2e-16."""
+    limit = usable_workspace_of((2.01, 0.99 - 1e-9, 1e-9), (1, 1, 1))
+    assert limit is not None
+    for r3 in (2.220446049250313e-16, 1e-15):
+        workspace = usable_workspace_of((2.01, 0.99 - r3, r3), (1, 1, 1))
+        if workspace is None:
+            continue
+        assert workspace.area == pytest.approx(limit.area, rel=1e-6)
+        assert workspace.region.area == pytest.approx(workspace.area, rel=1e-9)
