@@ -160,6 +160,22 @@ def test_text_is_inside_the_figure_and_does_not_overlap(
                 assert min(overlap) <= 0.0, (box, other)
 
 
+@pytest.mark.parametrize("width", [60.0, 170.0])
+def test_everything_that_moves_and_the_ground_stay_in_the_panel(width: float) -> None:
+    """The base joints of this design are the lowest points of its workspace."""
+    design = design_of((1.0, 1.0, 1.0))
+    path = inset_path(usable_region(design, "+-/up"), 0.05)
+    animation = path_animation(CheckedPath.of(design, path, "+-/up", close=True), 30, width)
+    panel = animation.figure.axes[0]
+    animation.figure.canvas.draw()
+    (ground,) = [each for each in panel.collections if each.get_gid() == "ground"]
+    marks = np.concatenate([line.vertices for line in ground.get_paths()])
+    joints = [joint.position for pose in animation.poses for joint in pose.joints]
+    shown = np.concatenate([marks, joints, animation.way])
+    (left, right), (low, high) = panel.get_xlim(), panel.get_ylim()
+    assert np.all((shown > (left, low)) & (shown < (right, high)))
+
+
 def test_gif_has_the_frames_and_the_speed_asked_for(atlas: Command, tmp_path: Path) -> None:
     path = tmp_path / "a.gif"
     outcome = atlas("animate", *MACHINE, "-o", path, "--frames", 9, "--fps", 25, "--width", 60)

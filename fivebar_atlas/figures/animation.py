@@ -49,6 +49,8 @@ _COLUMN_GAP = 4.0
 # Parts of the path between which the LCI and the trace are drawn, besides its corners.
 _PARTS = 600
 _MOST_TICKS = 8
+# Share of the extent that is left free below a linkage for the ground it stands on.
+_GROUND = 0.06
 # Points.
 _TICK_PAD = 2.4
 
@@ -189,7 +191,9 @@ def _draw_plane(
     region = usable_region(design, mode)
     loci = design.singular_loci(mode)
     joints = np.array([joint.position for pose in poses for joint in pose.joints])
-    bounds = bounds_of([np.stack(bounds_of_arcs([*region.arcs, *loci])), joints])
+    lower, upper = bounds_of([np.stack(bounds_of_arcs([*region.arcs, *loci])), joints])
+    ground = joints[:, 1].min() - _GROUND * (upper[0] - lower[0])
+    bounds = np.array([lower[0], min(lower[1], ground)]), upper
     entries = [
         KeyEntry("usable workspace", _WORKSPACE_LOOK),
         KeyEntry("path so far", _TRACE_LOOK),
