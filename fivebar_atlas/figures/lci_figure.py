@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -19,7 +20,6 @@ from fivebar_atlas.figures.colour_bar import (
 )
 from fivebar_atlas.figures.contour_levels import round_levels
 from fivebar_atlas.figures.drawing_area import FILL_LEVEL
-from fivebar_atlas.figures.lci_field import largest_lci, lci_field
 from fivebar_atlas.figures.loci_figure import empty_workspace_figure
 from fivebar_atlas.figures.plane_frame import PlaneFrame, bounds_of_arcs, flatness, plane_frame
 from fivebar_atlas.figures.plotted_data import PlottedData
@@ -36,6 +36,8 @@ from fivebar_atlas.level_curves import SampledField
 from fivebar_atlas.mechanisms.planar import PlanarDesign
 from fivebar_atlas.planar_geometry import FloatArray, Region
 
+# Samples along the longer side of the workspace, from which contours start.
+_CELLS = 400
 # Bands at most, and those of a map that begins at a threshold.
 _BANDS, _BANDS_ABOVE = 10, 6
 _LABEL = r"LCI $1/\kappa_J$"
@@ -95,13 +97,15 @@ def lci_figure(
     if workspace is None:
         return empty_workspace_figure(design, mode, subject, width=width, data=data)
     region = workspace.region
-    field = lci_field(design, region, mode)
+    values = functools.partial(design.lci_inside, mode=mode)
+    field = SampledField.over(values, *bounds_of_arcs(region.outline.arcs), _CELLS)
     rows = []
     edges = np.empty(0)
     if field.values.max() <= least:
-        rows = [[KeyEntry(below_threshold(design, region, mode, least), {})]]
+        rows = [[KeyEntry(below_threshold(design, mode, least), {})]]
     else:
-        edges = _band_edges(least, largest_lci(field), levels)
+        found = design.largest_lci(mode)
+        edges = _band_edges(least, 1.0 if found is None else found[0], levels)
     if lci_threshold is not None:
         rows.append([KeyEntry("boundary of the usable workspace", OUTLINE)])
     with styled():

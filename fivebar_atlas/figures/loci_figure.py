@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
+from fivebar_atlas.errors import InputError
 from fivebar_atlas.figures import style
 from fivebar_atlas.figures.colour_bar import KeyEntry, draw_key_rows, key_rows_height
 from fivebar_atlas.figures.curves import (
@@ -54,7 +55,7 @@ def loci_figure(
     UnknownNameError
         If there is no such mode.
     InputError
-        If the width is out of range.
+        If the width is out of range, or the linkage cannot move at all.
     """
     arcs = design.singular_loci(mode)
     notes = [] if arcs or mode is None else [f"no singular loci in {mode_text(mode)}"]
@@ -92,7 +93,7 @@ def empty_workspace_figure(
     UnknownNameError
         If there is no such mode pair.
     InputError
-        If the width is out of range.
+        If the width is out of range, or the linkage cannot move at all.
     """
     arcs = design.singular_loci(mode)
     whose = "its" if arcs else "all"
@@ -110,12 +111,16 @@ def _drawn(
     data: PlottedData | None,
 ) -> Figure:
     """Draw loci with their marks, their key, and notes above the key."""
+    everything = arcs or design.singular_loci()
+    if not everything:
+        lengths = tuple(length for _, length in design.parameters)
+        raise InputError("design", lengths, "lengths with which the linkage can move")
     marks = marked_points(arcs, design.isolated_singular_points())
     rows = [[KeyEntry(note, {})] for note in notes]
     rows += [[entry] for entry in kind_entries(arcs)]
     rows.append([*(each.entry for each in marks), KeyEntry(", ".join(design.remarks()), {})])
     with styled():
-        bounds = bounds_of_arcs(arcs or design.singular_loci())
+        bounds = bounds_of_arcs(everything)
         frame = plane_frame(bounds, design.unit, title, width, key_rows_height(rows, width))
         draw_origin(frame)
         draw_arcs(frame, arcs, "locus", data)

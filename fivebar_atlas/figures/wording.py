@@ -20,7 +20,7 @@ def mode_text(mode: str) -> str:
 
 def threshold_text(threshold: float) -> str:
     """Return the condition of a good-condition workspace."""
-    return f"LCI{_NO_BREAK}\N{GREATER-THAN OR EQUAL TO}{_NO_BREAK}{threshold:g}"
+    return f"LCI{_NO_BREAK}\N{GREATER-THAN OR EQUAL TO}{_NO_BREAK}{threshold:.10g}"
 
 
 def design_text(design: PlanarDesign) -> str:

@@ -18,7 +18,6 @@ from fivebar_atlas.figures.curves import (
     marked_points,
 )
 from fivebar_atlas.figures.drawing_area import BORDER_LEVEL, FILL_LEVEL
-from fivebar_atlas.figures.lci_field import largest_lci, lci_field
 from fivebar_atlas.figures.linkage import FINE, draw_linkage, link_points, sample_pose
 from fivebar_atlas.figures.loci_figure import empty_workspace_figure
 from fivebar_atlas.figures.plane_frame import (
@@ -185,7 +184,7 @@ def good_condition_figure(
         text = f"{threshold_text(lci_threshold)}, area {good_area}{together}"
         rows.append([KeyEntry(text, {**_GOOD, **edge})])
     else:
-        rows.append([KeyEntry(below_threshold(design, workspace.region, mode, lci_threshold), {})])
+        rows.append([KeyEntry(below_threshold(design, mode, lci_threshold), {})])
     with styled():
         title = title_text(subject, design, mode)
         bounds = bounds_of_arcs(workspace.region.outline.arcs)
@@ -215,10 +214,14 @@ def draw_outline(
     draw_arcs(frame, arcs, name, data, **OUTLINE, zorder=BORDER_LEVEL)
 
 
-def below_threshold(design: PlanarDesign, region: Region, mode: str, lci_threshold: float) -> str:
-    """Return in words that nothing reaches a threshold, and what the largest LCI is."""
-    largest = largest_lci(lci_field(design, region, mode))
-    return f"no point has {threshold_text(lci_threshold)}; the largest LCI is {largest:.4g}"
+def below_threshold(design: PlanarDesign, mode: str, lci_threshold: float) -> str:
+    """Return in words that nothing to draw reaches a threshold, and what the largest LCI is."""
+    found = design.largest_lci(mode)
+    largest = 0.0 if found is None else found[0]
+    condition, value = threshold_text(lci_threshold), f"the largest LCI is {largest:.6g}"
+    if largest < lci_threshold:
+        return f"no point has {condition}; {value}"
+    return f"the parts with {condition} are too small to be drawn; {value}"
 
 
 def _off_outline(loci: Sequence[NamedArc], region: Region) -> list[NamedArc]:

@@ -50,6 +50,7 @@ class Link:
     ----------
     symbol
         The field's notation of its length as mathtext, ``"$r_1$"``; empty where it has none.
+        That of a base is the distance of its joints from the origin.
     start, end
         The joints at its ends, as places in the pose's joints.
     kind

@@ -51,11 +51,10 @@ def _note_what_is_empty(design: PlanarDesign, mode: str, lci: float | None = Non
     """Say on standard error where there is no usable or no good-condition workspace."""
     from fivebar_atlas.figures.workspace_figure import below_threshold
 
-    workspace = design.usable_workspace(mode)
-    if workspace is None:
+    if design.usable_workspace(mode) is None:
         click.echo(f"the usable workspace of {mode} is empty; singular loci are drawn", err=True)
     elif lci is not None and not design.good_condition_workspace(lci, mode):
-        click.echo(below_threshold(design, workspace.region, mode, lci), err=True)
+        click.echo(below_threshold(design, mode, lci), err=True)
 
 
 @contextlib.contextmanager
@@ -91,6 +90,8 @@ def _poses(
             raise InputError("--mode", pair, allowed)
         pose = sample_pose(design, workspace.region, pair)
         return design.inverse_poses(*pose.output) if all_solutions else [pose]
+    if not all(math.isfinite(part) for part in at):
+        raise InputError("--at", at, "two finite numbers")
     with _under_the_name_of("--at", at):
         if all_solutions or mode is None:
             poses = design.inverse_poses(*at)
