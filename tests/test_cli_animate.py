@@ -157,7 +157,7 @@ def test_text_is_inside_the_figure_and_does_not_overlap(
                     min(box.x1, other.x1) - max(box.x0, other.x0),
                     min(box.y1, other.y1) - max(box.y0, other.y0),
                 )
-                assert min(overlap) <= 0.0, (box, other)
+                assert min(overlap) < 0.5, (box, other)  # pixels at 100 dpi
 
 
 @pytest.mark.parametrize("width", [60.0, 170.0])
