@@ -23,10 +23,11 @@ import numpy.typing as npt
 sys.path.insert(0, str(Path(__file__).parent))
 import numpy_grid
 
-from fivebar_atlas import mechanisms
+from fivebar_atlas import FiveBar, mechanisms
 from fivebar_atlas.executors import ThreadExecutor
 from fivebar_atlas.mechanisms.base import SweepSettings
 from fivebar_atlas.mechanisms.five_bar.evaluation import evaluate_designs
+from fivebar_atlas.mechanisms.five_bar.outline import usable_workspace_of
 from fivebar_atlas.mechanisms.five_bar.points import lci_at
 from fivebar_atlas.sweep import Sweep
 
@@ -179,6 +180,12 @@ def bench_lci_kernel(designs: npt.NDArray[np.float64], microseconds: float) -> N
     print(f"  (all designs: {microseconds:.0f} µs)")
 
 
+_FIGURES = (
+    "mechanism 1.2 1 0.8", "loci 1.2 1 0.8", "workspace 1.2 1 0.8", "good-condition 1.28 1.72 0",
+    "lci 1.28 1.72 0", "loci-atlas --cells 60", "shape-atlas --cells 60",
+)  # fmt: skip
+
+
 def bench_start_up() -> None:
     """Print how long commands take as processes."""
     print("\nStart-up, whole processes")
@@ -195,6 +202,27 @@ def bench_start_up() -> None:
         command = ("evaluate", "26", "30", "16", "--json")
         print(f"  atlas evaluate, kernels compiled  {best_time(run(*command), 1):6.2f} s")
         print(f"  atlas evaluate, kernels cached    {best_time(run(*command), 5):6.2f} s")
+        for what in _FIGURES:
+            drawing = run("plot", *what.split(), "-o", f"{folder}/figure.png", "--overwrite")
+            drawing()  # compiles what evaluating does not need
+            print(f"  {'atlas plot ' + what:33} {best_time(drawing, 5):6.2f} s")
+
+
+def bench_geometry() -> None:
+    """Print how long loci, outlines and paths take, kernels compiled."""
+    print("\nGeometry of one design, one core")
+    robot = FiveBar(1.2, 1.0, 0.8)
+    lengths = (1.2, 1.0, 0.8)
+    turns = np.linspace(0.0, 2.0 * np.pi, 10_000)
+    circle = np.column_stack([0.8 * np.cos(turns), 0.8 * np.sin(turns) - 1.0])
+    for what, work in (
+        ("all singular loci", lambda: robot.singular_loci()),
+        ("outline of a usable workspace", lambda: usable_workspace_of(lengths, (1, -1, 1))),
+        ("boundary at LCI >= 0.1", lambda: robot.good_condition_workspace(0.1)),
+        ("path of 10,000 points, checked", lambda: robot.check_path(circle)),
+    ):
+        work()
+        print(f"  {what:33} {1e3 * best_time(work, 5):8.2f} ms")
 
 
 def check_accuracy() -> None:
@@ -251,6 +279,7 @@ def main() -> None:
     bench_grid(designs, exact, ours)
     bench_threads()
     bench_lci_kernel(designs, ours[1e-6])
+    bench_geometry()
     bench_start_up()
     check_accuracy()
 
