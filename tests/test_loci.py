@@ -18,7 +18,16 @@ from special_designs import label, special_designs
 
 from fivebar_atlas import FiveBar, UnknownNameError
 from fivebar_atlas.mechanisms.five_bar.loci import isolated_points, singular_arcs
-from fivebar_atlas.planar_geometry import BOTH, CLOSED, LEFT, RIGHT, TANGENCY, Arc, NamedArc
+from fivebar_atlas.planar_geometry import (
+    BOTH,
+    CLOSED,
+    INTERSECTION,
+    LEFT,
+    RIGHT,
+    TANGENCY,
+    Arc,
+    NamedArc,
+)
 
 Design = tuple[float, float, float]
 FloatArray = npt.NDArray[np.float64]
@@ -195,6 +204,25 @@ def test_parallel_arcs_touch_a_reach_circle_at_their_ends() -> None:
     assert touching > 1000
 
 
+def test_serial_arcs_end_where_both_legs_are_straight_or_a_parallel_arc_touches() -> None:
+    counts = {INTERSECTION: 0, TANGENCY: 0}
+    for design in RANDOM[:300]:
+        r1, r2, r3 = design
+        for each in singular_arcs(design, MODES):
+            if each.kind != "serial" or each.ends == (CLOSED, CLOSED):
+                continue
+            for (x, y), kind in zip((each.arc.start, each.arc.end), each.ends, strict=True):
+                straight = [
+                    any(abs(math.hypot(x - base, y) - reach) < 1e-12 for reach in reaches)
+                    for base in (-r3, r3)
+                    for reaches in ((r1 + r2, abs(r1 - r2)),)
+                ]
+                assert any(straight), (design, each.name)
+                assert kind == (INTERSECTION if all(straight) else TANGENCY), (design, each.name)
+                counts[kind] += 1
+    assert min(counts.values()) > 1000
+
+
 def test_ends_are_points_of_the_arcs() -> None:
     shares = np.array([0.0, 1.0])
     for design in RANDOM:
@@ -228,7 +256,8 @@ def test_the_boundary_of_the_theoretical_workspace_is_serial_arcs_of_every_worki
         points = np.column_stack(naive.theoretical_boundary(*design, 360))
         at_joint = np.minimum(*(np.hypot(points[:, 0] - b, points[:, 1]) for b in (-r3, r3))) < 1e-9
         if np.any(at_joint):
-            assert isolated_points(design)
+            assert r1 == r2
+            assert isolated_points(design) or r1 + r2 == 2.0 * r3  # outer circles pass there
         points = points[~at_joint]
         if len(points) == 0:
             continue
@@ -256,8 +285,9 @@ def test_base_joints_are_isolated_singular_points_where_both_links_are_equal() -
             assert points == ()
     assert set(isolated_points((1.25, 1.25, 0.5))) == {(-0.5, 0.0), (0.5, 0.0)}
     assert isolated_points((1.5, 1.5, 0.0)) == ((0.0, 0.0),)
-    # 2 r3 > r1 + r2: the other leg does not reach that far
+    # 2 r3 > r1 + r2: the other leg does not reach that far; or just so, on its outer circle
     assert isolated_points((0.8, 0.8, 1.4)) == ()
+    assert isolated_points((1.0, 1.0, 1.0)) == ()
 
 
 def test_a_design_that_reaches_one_point_has_no_arcs() -> None:

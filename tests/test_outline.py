@@ -64,6 +64,14 @@ def test_green_area_is_the_integrated_area_and_arcs_meet(designs: list[Design]) 
                 assert loop.arcs[place - 1].arc.end == each.arc.start, (design, mode, each.name)
 
 
+def test_arcs_begin_and_end_where_they_meet() -> None:
+    shares = np.array([0.0, 1.0])
+    for design, mode, workspace in workspaces(RANDOM, 2):
+        for each in workspace.region.arcs:
+            gaps = each.arc.points(shares) - np.array([each.arc.start, each.arc.end])
+            assert np.abs(gaps).max() < 1e-11, (design, mode, each.name)
+
+
 @pytest.mark.parametrize("designs", [RANDOM, SPECIAL], ids=["random", "special"])
 def test_polygons_along_the_outline_enclose_the_area(designs: list[Design]) -> None:
     deviation = 1e-4

@@ -233,13 +233,18 @@ def test_everything_of_a_machine_scales() -> None:
     ):
         assert circle.radius == pytest.approx(D * small_circle.radius)
         assert circle.centre == pytest.approx((0.0, D * small_circle.centre[1]))
+    largest, plain_largest = robot.largest_lci("+-/up"), plain.largest_lci("+-/up")
+    assert largest is not None
+    assert plain_largest is not None
+    assert largest[0] == plain_largest[0]
+    assert largest[1] == pytest.approx((D * plain_largest[1][0], D * plain_largest[1][1]))
     x, y = np.linspace(-20.0, 20.0, 9), np.full(9, 30.0)
     np.testing.assert_allclose(robot.lci(x, y, "+-"), naive.lci(*LENGTHS, x, y, 1, -1), atol=1e-12)
     np.testing.assert_allclose(robot.lci_inside(x, y, "+-/up"), plain.lci_inside(x / D, y / D))
 
 
 def test_isolated_points_and_empty_workspaces_of_machines() -> None:
-    assert machine((20.0, 20.0, 20.0)).isolated_singular_points() == ((-20.0, 0.0), (20.0, 0.0))
+    assert machine((20.0, 20.0, 8.0)).isolated_singular_points() == ((-8.0, 0.0), (8.0, 0.0))
     assert machine().isolated_singular_points() == ()
     assert machine((12.8, 17.2, 0.0)).usable_workspace("++/up") is None
 
