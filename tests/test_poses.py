@@ -24,8 +24,6 @@ from fivebar_atlas.mechanisms.planar import (
     Pose,
 )
 
-pytestmark = pytest.mark.nojit
-
 WORKING_MODES = [(1, -1), (-1, 1), (1, 1), (-1, -1)]
 LENGTHS = (26.0, 30.0, 16.0)
 D = 24.0
@@ -68,6 +66,7 @@ def sample(seed: int, count: int) -> list[tuple[FiveBar, tuple[float, float]]]:
     return found
 
 
+@pytest.mark.nojit
 def test_four_poses_for_a_point() -> None:
     for robot, (x, y) in sample(90, 200):
         lengths = (robot.r1, robot.r2, robot.r3)
@@ -89,6 +88,7 @@ def test_four_poses_for_a_point() -> None:
         assert len(elbows) == 4
 
 
+@pytest.mark.nojit
 def test_forward_undoes_inverse() -> None:
     for robot, (x, y) in sample(91, 200):
         for pose in robot.inverse_poses(x, y):
@@ -107,6 +107,7 @@ def test_forward_undoes_inverse() -> None:
                 assert found.inputs == pytest.approx(pose.inputs, abs=1e-15)
 
 
+@pytest.mark.nojit
 def test_inverse_undoes_forward() -> None:
     rng = np.random.default_rng(92)
     assembled = 0
@@ -137,6 +138,7 @@ def test_inverse_undoes_forward() -> None:
     assert 50 < assembled < 190
 
 
+@pytest.mark.nojit
 def test_points_out_of_reach_say_by_how_much() -> None:
     robot = FiveBar(1.2, 1.0, 0.8)
     for (x, y), gap, phrase in (
@@ -154,6 +156,7 @@ def test_points_out_of_reach_say_by_how_much() -> None:
             assert caught.value.exit_code == 2
 
 
+@pytest.mark.nojit
 def test_points_on_the_boundary_are_reached() -> None:
     robot = FiveBar(1.2, 1.0, 0.8)
     for angle in np.linspace(-0.9, 0.9, 19):
@@ -168,6 +171,7 @@ def test_points_on_the_boundary_are_reached() -> None:
                     assert pose.lci < 1e-5
 
 
+@pytest.mark.nojit
 def test_inputs_for_which_the_output_is_free_or_missing() -> None:
     robot = FiveBar(1.0, 1.0, 1.0)
     with pytest.raises(OutOfReachError, match="B_1 and B_2 differ"):
