@@ -30,6 +30,8 @@ Field = Callable[[FloatArray, FloatArray], FloatArray]
 
 # Halvings of a grid edge; the last is far below rounding.
 _HALVINGS = 48
+# In steps of the grid, how close to a grid point is on it.
+_ON_POINT = 1e-12
 
 
 @dataclasses.dataclass(frozen=True)
@@ -122,7 +124,9 @@ class SampledField:
         columns = np.interp(corners[:, 0], self.x, np.arange(len(self.x)))
         rows = np.interp(corners[:, 1], self.y, np.arange(len(self.y)))
         off_column = np.abs(columns - np.round(columns))
-        along_x = off_column > np.abs(rows - np.round(rows))
+        off_row = np.abs(rows - np.round(rows))
+        on_point = np.maximum(off_column, off_row) < _ON_POINT  # which then is on the level
+        along_x = off_column > off_row
         column = np.where(along_x, np.floor(columns), np.round(columns)).astype(np.int64)
         row = np.where(along_x, np.round(rows), np.floor(rows)).astype(np.int64)
         column = np.clip(column, 0, len(self.x) - 1 - along_x)
@@ -140,7 +144,7 @@ class SampledField:
             above = self.function(middle[:, 0], middle[:, 1]) >= level
             inside = np.where(above[:, None], middle, inside)
             outside = np.where(above[:, None], outside, middle)
-        return inside
+        return np.where(on_point[:, None], corners, inside)
 
 
 def level_regions(field: SampledField, level: float, name: str, symbol: str) -> tuple[Region, ...]:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from fivebar_atlas.errors import OutOfReachError
+from fivebar_atlas.errors import InputError, OutOfReachError
 from fivebar_atlas.mechanisms.base import FloatArray
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
@@ -430,3 +430,8 @@ class ScaledDesign(PlanarDesign):
             yield
         except OutOfReachError as error:
             raise error.scaled(self.factor, self.unit, scale_value) from None
+        except InputError as error:
+            if not scale_value or error.name != "P":
+                raise
+            value = tuple(self.factor * part for part in error.value)
+            raise InputError("P", value, error.allowed) from None

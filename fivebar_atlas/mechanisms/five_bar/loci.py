@@ -41,6 +41,7 @@ from fivebar_atlas.mechanisms.five_bar.singularity import (
     FOLD_UP_FAR,
     FOLD_UP_NEAR,
     MAX_CRITICAL,
+    SLACK,
     belongs_to_mode,
     coupler_root,
     coupler_tangency,
@@ -113,6 +114,8 @@ Signs = tuple[int, int, int]
 _SAME = 1e-9
 # Free ends of one curve that are closer than this are joined; exact but for a square root.
 _JOINED = 1e-6
+# The same at the origin, where it is a fourth root.
+_AT_ORIGIN = 1e-3
 # How far beside an arc det B is looked at where it has no slope across it.
 _ASIDE = 1e-3
 _WORKING_MODES = ((1, -1), (-1, 1), (1, 1), (-1, -1))
@@ -371,11 +374,31 @@ def coupler_arc(
     lengths: Lengths, pieces: Sequence[Piece], corners: Sequence[Point]
 ) -> tuple[CouplerArc, bool]:
     """Return the arc over pieces in order, ends on vertices, and whether it is closed."""
-    start = polar_point(lengths, pieces[0][0], pieces[0][1])
-    end = polar_point(lengths, pieces[-1][0], pieces[-1][2])
-    start, end = snapped(start, corners), snapped(end, corners)
-    closed = math.dist(start, end) < _JOINED and start not in corners
-    return CouplerArc(lengths, tuple(pieces), start, start if closed else end), closed
+    first, last = pieces[0], pieces[-1]
+    start, first_angle = snapped_end(lengths, first[0], first[1], corners)
+    end, last_angle = snapped_end(lengths, last[0], last[2], corners)
+    closed = start not in corners and (
+        math.dist(start, end) < _JOINED or max(math.hypot(*start), math.hypot(*end)) < _AT_ORIGIN
+    )
+    if len(pieces) == 1:
+        ended = [(first[0], first_angle, last_angle)]
+    else:
+        ended = [
+            (first[0], first_angle, first[2]), *pieces[1:-1], (last[0], last[1], last_angle),
+        ]  # fmt: skip
+    return CouplerArc(lengths, tuple(ended), start, start if closed else end), closed
+
+
+def snapped_end(
+    lengths: Lengths, curve: int, phi: float, corners: Sequence[Point]
+) -> tuple[Point, float]:
+    """Return the end of a curve on a ray, a vertex if it is one but for rounding, and its angle."""
+    point = polar_point(lengths, curve, phi)
+    vertex = snapped(point, corners)
+    if vertex is point or math.hypot(*vertex) < _AT_ORIGIN:
+        return vertex, phi
+    turn = math.atan2(vertex[1], vertex[0]) - phi
+    return vertex, phi + math.remainder(turn, 2.0 * math.pi)
 
 
 def polar_point(lengths: Lengths, curve: int, phi: float) -> Point:
@@ -395,7 +418,11 @@ def _coupler_chains(lengths: Lengths, s1: int, s2: int) -> list[list[Piece]]:
         for start, end in itertools.pairwise(angles[:count]):
             middle = 0.5 * (start + end)
             c, s = math.cos(middle), math.sin(middle)
-            if exists(curve, *lengths, c, s) and belongs_to_mode(curve, *lengths, c, s, s1, s2):
+            if (
+                exists(curve, *lengths, c, s)
+                and belongs_to_mode(curve, *lengths, c, s, s1, s2)
+                and not _is_on_reach_circle(lengths, *polar_point(lengths, curve, middle))
+            ):
                 run.append((curve, float(start), float(end)))
             elif run:
                 chains.append(run)
@@ -406,17 +433,28 @@ def _coupler_chains(lengths: Lengths, s1: int, s2: int) -> list[list[Piece]]:
     return joined_chains(lengths, chains)
 
 
+def _is_on_reach_circle(lengths: Lengths, x: float, y: float) -> bool:
+    """Tell whether a leg is straight; for R = 2 : 1 : 1 it is on a part of C_col."""
+    r1, r2, r3 = lengths
+    return any(
+        abs(squared_four_areas(r1, r2, (x - base) ** 2 + y * y)) < SLACK for base in (-r3, r3)
+    )
+
+
 def joined_chains(lengths: Lengths, chains: list[list[Piece]]) -> list[list[Piece]]:
     """Join chains that go on in one another.
 
-    They do where φ begins anew, where the curve touches a ray, and at the origin.
+    They do where φ begins anew, where the curve touches a ray, and at the origin. Where it
+    touches a ray there, ρ grows like the fourth root of the angle, and so does its rounding.
     """
-    for one, two in itertools.combinations(chains, 2):
-        for first, second in itertools.product((one, _turned(one)), (two, _turned(two))):
-            end = polar_point(lengths, first[-1][0], first[-1][2])
-            if math.dist(end, polar_point(lengths, second[0][0], second[0][1])) < _JOINED:
-                rest = [chain for chain in chains if chain is not one and chain is not two]
-                return joined_chains(lengths, [*rest, without_cuts([*first, *second])])
+    for slack, around in ((_JOINED, math.inf), (_AT_ORIGIN, _AT_ORIGIN)):
+        for one, two in itertools.combinations(chains, 2):
+            for first, second in itertools.product((one, _turned(one)), (two, _turned(two))):
+                end = polar_point(lengths, first[-1][0], first[-1][2])
+                start = polar_point(lengths, second[0][0], second[0][1])
+                if math.dist(end, start) < slack and math.hypot(*end) < around:
+                    rest = [chain for chain in chains if chain is not one and chain is not two]
+                    return joined_chains(lengths, [*rest, without_cuts([*first, *second])])
     return chains
 
 

@@ -30,6 +30,7 @@ from fivebar_atlas.mechanisms.five_bar.loci import (
     Signs,
     polar_point,
     snapped,
+    snapped_end,
     vertices,
 )
 from fivebar_atlas.mechanisms.five_bar.mirror import CLASS_SIGNS, canonical_class
@@ -242,10 +243,9 @@ def _arcs_of(lengths: Lengths, edges: Sequence[_Edge], corners: Sequence[Point])
             continue
         curve = CURVE_OF[edge.curve]
         if curve is COUPLER:
-            start = snapped(polar_point(lengths, edge.curve, edge.start), corners)
-            end = snapped(polar_point(lengths, edge.curve, edge.end), corners)
-            piece = (edge.curve, edge.start, edge.end)
-            arc: Arc = CouplerArc(lengths, (piece,), start, end)
+            start, first = snapped_end(lengths, edge.curve, edge.start, corners)
+            end, last = snapped_end(lengths, edge.curve, edge.end, corners)
+            arc: Arc = CouplerArc(lengths, ((edge.curve, first, last),), start, end)
         else:
             arc = _circle_arc(lengths, edge, corners)
         arcs.append(NamedArc(curve.name, curve.symbol, curve.kind, arc))

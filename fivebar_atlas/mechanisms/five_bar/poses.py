@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from fivebar_atlas.errors import OutOfReachError
+from fivebar_atlas.errors import InputError, OutOfReachError
 from fivebar_atlas.mechanisms.five_bar.jacobian import lci, signed_det_b
 from fivebar_atlas.mechanisms.five_bar.kinematics import elbow, forward, inverse
 from fivebar_atlas.mechanisms.five_bar.loci import Lengths, mode_label
@@ -37,8 +37,10 @@ _LINKS = (
 
 
 def check_reach(lengths: Lengths, x: float, y: float) -> None:
-    """Raise OutOfReachError unless both legs reach P; it says which does not and by how much."""
+    """Raise InputError unless both legs reach P; it says which does not and by how much."""
     r1, r2, r3 = lengths
+    if math.isnan(x) or math.isnan(y):
+        raise InputError("P", (x, y), "two numbers")
     worst, allowed = _ROUNDING, ""
     for leg, base in ((1, -r3), (2, r3)):
         reach = math.hypot(x - base, y)
@@ -48,6 +50,8 @@ def check_reach(lengths: Lengths, x: float, y: float) -> None:
         ):
             if gap > worst:
                 worst, allowed = gap, "a point within reach; it is {gap} " + fault.format(leg=leg)
+        if reach <= _ROUNDING and abs(r1 - r2) <= _ROUNDING:
+            raise InputError("P", (x, y), f"a point other than A_{leg}, where leg {leg} may turn")
     if allowed:
         raise OutOfReachError("P", (x, y), allowed, worst)
 
@@ -57,6 +61,8 @@ def pose_at(lengths: Lengths, x: float, y: float, s1: int, s2: int) -> Pose:
 
     Raises
     ------
+    InputError
+        If P is not two numbers, or is a base joint about which a folded leg turns freely.
     OutOfReachError
         If P cannot be reached.
     """
@@ -106,9 +112,15 @@ def forward_poses(lengths: Lengths, theta1: float, theta2: float) -> tuple[Pose,
             for base, b in ((-r3, b1), (r3, b2))
         )
         mode = mode_label((s1, s2, assembly))
-        wrapped = (math.remainder(theta1, 2.0 * math.pi), math.remainder(theta2, 2.0 * math.pi))
+        wrapped = (_principal(theta1), _principal(theta2))
         poses.append(_pose(lengths, b1, b2, (x, y), wrapped, mode, lci(*lengths, x, y, s1, s2)))
     return tuple(poses)
+
+
+def _principal(angle: float) -> float:
+    """Return an angle in (-π, π]."""
+    turned = math.remainder(angle, 2.0 * math.pi)
+    return math.pi if turned == -math.pi else turned
 
 
 def _pose(

@@ -48,6 +48,8 @@ IndexArray = npt.NDArray[np.int64]
 LEAST_WIDTH = 1e-10
 #: Inner reach circles smaller than this are points, the base joints.
 POINT_RADIUS = 1e-9
+#: Bases shorter than this are none: with them det B of "++" is nothing but rounding.
+LEAST_BASE = 1e-12
 MAX_CELLS = 8 * MAX_CRITICAL
 #: Rounding of a closed-form area, relative to the number of arcs times (r1 + r2)²: each
 #: is a difference of terms that large, however small it is itself.
@@ -258,7 +260,7 @@ def is_degenerate(r1: float, r2: float, r3: float, s1: float, s2: float) -> bool
 
     Only a point can be reached, or B1 = B2 for every P and det B vanishes identically.
     """
-    return r1 + r2 <= r3 or (r3 == 0.0 and s1 == s2)
+    return r1 + r2 <= r3 or (r3 <= LEAST_BASE and s1 == s2)
 
 
 @kernel
