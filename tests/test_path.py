@@ -183,12 +183,13 @@ def test_start_outside_is_refused_with_the_reason() -> None:
         reaches = [math.hypot(x + r3, y), math.hypot(x - r3, y)]
         gaps = [max(reach - r1 - r2, abs(r1 - r2) - reach) for reach in reaches]
         if max(gaps) > 0.0:
-            report = check_path(lengths, signs, [(x, y)], factor=10.0, unit="mm")
+            report = check_path(lengths, signs, [(x, y)])
             assert report.fault is not None
             worst = int(np.argmax(gaps))
-            start = f"P is out of reach of leg {worst + 1} by {10.0 * gaps[worst]:.4g} mm"
-            assert report.fault.reason.startswith(start)
-            assert ("too near" in report.fault.reason) == (reaches[worst] < abs(r1 - r2))
+            near = f", too near to A{worst + 1}" if reaches[worst] < abs(r1 - r2) else ""
+            beyond = f"{100.0 * gaps[worst] / (r1 + r2):.3g} % of its length"
+            expected = f"P is out of reach of leg {worst + 1}{near}, by {beyond}"
+            assert report.fault.reason == expected
             seen["out of reach"] += 1
     assert min(seen.values()) > 20, seen
 

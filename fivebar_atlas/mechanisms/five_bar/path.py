@@ -60,6 +60,7 @@ _ROUNDING = 2e-15
 _FARTHEST = 1e60
 # Segments that are looked at together.
 _BLOCK = 4096
+# Golden sections, with which the least value of sin γ is closed in on.
 _GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))
 _GOLDEN_STEPS = 80
 # How far the polyline that stands for an arc in bounding boxes may leave it.
@@ -79,13 +80,7 @@ _WHY = {
 BoolArray = npt.NDArray[np.bool_]
 
 
-def check_path(
-    lengths: Lengths,
-    signs: Signs,
-    points: npt.ArrayLike,
-    factor: float = 1.0,
-    unit: str = "",
-) -> PathReport:
+def check_path(lengths: Lengths, signs: Signs, points: npt.ArrayLike) -> PathReport:
     """Tell whether a path can be followed in a mode pair, exactly between its corners too.
 
     A path is feasible if all its points lie in the usable workspace, farther than ``TOUCH``
@@ -99,8 +94,6 @@ def check_path(
         Working mode and assembly mode as ±1.
     points
         Corners, shape (n, 2), non-dimensional, joined by straight segments.
-    factor, unit
-        Dimensional factor and unit for lengths in phrases; all else is non-dimensional.
 
     Returns
     -------
@@ -116,7 +109,7 @@ def check_path(
     """
     corners = _corners(points)
     workspace = usable_workspace_of(lengths, signs)
-    fault = _fault_at_start(lengths, signs, workspace, corners[0], factor, unit)
+    fault = _fault_at_start(lengths, signs, workspace, corners[0])
     if fault is not None:
         followed = 0
     else:
@@ -196,12 +189,7 @@ def _squared_four_areas(lengths: Lengths, reach2: FloatArray) -> FloatArray:
 
 
 def _fault_at_start(
-    lengths: Lengths,
-    signs: Signs,
-    workspace: UsableWorkspace | None,
-    start: FloatArray,
-    factor: float,
-    unit: str,
+    lengths: Lengths, signs: Signs, workspace: UsableWorkspace | None, start: FloatArray
 ) -> PathFault | None:
     """Return why a path cannot begin at a point, None if it can."""
     x, y = (float(each) for each in start)
@@ -215,9 +203,10 @@ def _fault_at_start(
     worst = int(np.argmin(state.slack))
     if state.slack[worst] < -TOUCH:
         leg = 1 if worst < 2 else 2
-        beyond = f"{-state.slack[worst] * factor:.4g} {unit}".rstrip()
         near = f", too near to A{leg}" if worst % 2 else ""
-        return fault(f"P is out of reach of leg {leg} by {beyond}{near}")
+        # as a share: the lengths of the machine are not known here
+        share = -100.0 * state.slack[worst] / (lengths[0] + lengths[1])
+        return fault(f"P is out of reach of leg {leg}{near}, by {share:.3g} % of its length")
     if state.sine < -state.least_sine:
         return fault("P lies in the other assembly mode")
     if state.on_locus:
@@ -394,9 +383,13 @@ def _parallel_crossings(
     after[hit] = np.where(zero & changes, s[hit, following], after[hit])
     before[hit] = np.where(zero & ~changes, after[hit], before[hit])
 
+    # before that, where it is least among neighbours and may be zero between them
     low = (state.sine[:, 1:-1] <= state.sine[:, :-2]) & (state.sine[:, 1:-1] <= state.sine[:, 2:])
     low &= np.arange(1, s.shape[1] - 1) < first[:, None]
     row, column = np.nonzero(low)
+    around = starts[row, None] + s[row[:, None], column[:, None] + [0, 2], None] * unit[row, None]
+    unsure = ~_surely_regular(lengths, signs, around[:, 0], around[:, 1])
+    row, column = row[unsure], column[unsure]
     least = _least_sines(
         lengths,
         signs,
