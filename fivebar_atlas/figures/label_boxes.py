@@ -83,7 +83,9 @@ def best_box(
 
 def around(place: FloatArray, clearance: float, width: float, height: float) -> Iterable[Place]:
     """Yield places around a point that keep clear of it."""
-    for distance, turn in itertools.product((0.5, 1.0, 1.7, 2.6, 4.0), range(_DIRECTIONS)):
+    for distance, turn in itertools.product(
+        (0.5, 1.0, 1.7, 2.6, 4.0, 6.0, 9.0), range(_DIRECTIONS)
+    ):
         angle = math.tau * turn / _DIRECTIONS
         yield _towards(place, angle, clearance + distance, width, height), _FAR * distance
 

@@ -190,7 +190,7 @@ def _innermost(design: PlanarDesign, region: Region, mode: str) -> Point:
 
 
 def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> None:
-    """Write symbols of joints, links and input angles where they cover nothing.
+    """Write symbols of joints, and of links and input angles where they cover nothing.
 
     Angles are drawn from the direction of the x axis to the cranks. The symbol of the base
     stands for the distance of its joints from the origin O.
@@ -208,11 +208,10 @@ def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> No
     for place, text in joints:
         labels.write(text, functools.partial(around, place, look.joint / 4.0))
     for angle in angles:
-        labels.write(
-            angle.symbol, functools.partial(beside_arc, angle.centre, angle.radius, angle.middle)
-        )
+        places = functools.partial(beside_arc, angle.centre, angle.radius, angle.middle)
+        labels.write(angle.symbol, places, must=False)
     origin = np.zeros(2)
-    labels.write("$O$", functools.partial(around, origin, 0.6))
+    labels.write("$O$", functools.partial(around, origin, 0.6), must=False)
     # the base last: it needs its label least
     for link, line in sorted(
         zip(pose.links, lines, strict=True), key=lambda each: each[0].kind == BASE

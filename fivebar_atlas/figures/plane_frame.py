@@ -33,7 +33,7 @@ _MARGIN = 0.06
 # Bounds of height over width of a panel.
 _LOWEST, _HIGHEST = 0.4, 1.3
 # Chords leave curves by no more than this share of what is drawn.
-_FLATNESS = 1e-4
+_FLATNESS = 2e-5
 
 
 @dataclasses.dataclass(slots=True)

@@ -155,11 +155,13 @@ def wrapped(text: str, size: float, width: float) -> list[str]:
     Returns
     -------
     list of str
-        The lines, with ordinary spaces.
+        The lines, with ordinary spaces; none for an empty text.
     """
     # On a screen letters are moved to whole pixels, which makes a line a little longer.
     width *= 0.97
     whole = text.replace("\N{NO-BREAK SPACE}", " ")
+    if not whole.strip():
+        return []
     if text_size(whole, size)[0] <= width:
         return [whole]
     pieces = _UNBROKEN.findall(text)
