@@ -9,9 +9,11 @@ import math
 import naive
 import numpy as np
 import pytest
+from designs import MODES, random_cases
 
 from fivebar_atlas import FiveBar, InputError, UnknownNameError
 from fivebar_atlas.mechanisms.five_bar import five_bar
+from fivebar_atlas.mechanisms.five_bar.outline import usable_workspace_of
 
 ROBOT = FiveBar(1.2, 1.0, 0.8)
 
@@ -117,3 +119,20 @@ def test_unknown_names_and_values_are_refused() -> None:
 def test_change_point_cases() -> None:
     assert FiveBar(1.0, 1.0, 1.0).change_point_cases == "ab"
     assert ROBOT.change_point_cases == ""
+
+
+def test_the_origin_is_inside_where_everything_around_it_is() -> None:
+    turns = np.linspace(0.0, 2.0 * math.pi, 64)
+    inside = 0
+    for design, mode in random_cases(77, 400):
+        workspace = usable_workspace_of(design, mode)
+        if workspace is not None:
+            around = workspace.contains(1e-8 * np.cos(turns), 1e-8 * np.sin(turns))
+            assert bool(workspace.contains(0.0, 0.0)) == around.all()
+            inside += int(around.all())
+    assert inside > 10
+    # a fold circle passes through it
+    for mode in MODES:
+        workspace = usable_workspace_of((1.25, 1.0, 0.75), mode)
+        assert workspace is not None
+        assert not workspace.contains(0.0, 0.0)

@@ -187,7 +187,7 @@ def test_start_outside_is_refused_with_the_reason() -> None:
             assert report.fault is not None
             worst = int(np.argmax(gaps))
             near = f", too near to A{worst + 1}" if reaches[worst] < abs(r1 - r2) else ""
-            beyond = f"{100.0 * gaps[worst] / (r1 + r2):.3g} % of its length"
+            beyond = f"{gaps[worst]:.6g}"
             expected = f"P is out of reach of leg {worst + 1}{near}, by {beyond}"
             assert report.fault.reason == expected
             seen["out of reach"] += 1

@@ -106,8 +106,10 @@ class PathFault:
     curve, symbol, kind
         The locus that is met there: name, notation and kind of singularity. Empty where the
         path does not begin in the usable workspace for another reason.
-    reason
-        What is wrong, in a phrase.
+    phrase
+        What is wrong, ``{gap}`` in place of a length.
+    gap, unit
+        That length and its unit; 0 where there is none.
     """
 
     segment: int
@@ -116,7 +118,14 @@ class PathFault:
     curve: str
     symbol: str
     kind: str
-    reason: str
+    phrase: str
+    gap: float = 0.0
+    unit: str = ""
+
+    @property
+    def reason(self) -> str:
+        """What is wrong, in words."""
+        return self.phrase.format(gap=f"{self.gap:.6g} {self.unit}".rstrip())
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -243,6 +252,43 @@ class PlanarDesign(ABC):
         """Return the LCI at points of the usable workspace of a mode pair, 0 elsewhere.
 
         A continuous function of the plane: LCI is 0 on the boundary.
+        """
+
+    @abstractmethod
+    def inputs(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return the input angles at points in a working mode, in (-π, π].
+
+        Shape (n, inputs) for n points; NaN out of reach.
+        """
+
+    @abstractmethod
+    def jacobian(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return J of θ' = J p' at points in a working mode, in radians per length.
+
+        Shape (n, inputs, 2) for n points; infinite at serial singularities, NaN out of reach.
+        """
+
+    @abstractmethod
+    def bounds_on_discs(
+        self, x: FloatArray, y: FloatArray, radius: FloatArray, mode: str
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return a lower bound of the LCI over discs, and how far the inputs turn at most.
+
+        Parameters
+        ----------
+        x, y, radius
+            Centres and radii, shape (n,) each.
+        mode
+            Working mode or mode pair.
+
+        Returns
+        -------
+        least : ndarray
+            No point of the disc has a smaller LCI, shape (n,); 0 where nothing can be said.
+            Where it is positive there is no singularity in the disc.
+        turns : ndarray
+            Largest differences of the inputs, in radians, between a point of the disc and
+            its centre, shape (n, inputs); infinite where nothing can be said.
         """
 
     @abstractmethod
@@ -381,6 +427,23 @@ class ScaledDesign(PlanarDesign):
         x, y = np.divide(x, self.factor), np.divide(y, self.factor)
         return self._design.lci_inside(x, y, mode)
 
+    def inputs(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return the input angles at points in a working mode, in (-π, π]."""
+        return self._design.inputs(np.divide(x, self.factor), np.divide(y, self.factor), mode)
+
+    def jacobian(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return J of θ' = J p' at points in a working mode, in radians per length."""
+        x, y = np.divide(x, self.factor), np.divide(y, self.factor)
+        return np.asarray(self._design.jacobian(x, y, mode) / self.factor)
+
+    def bounds_on_discs(
+        self, x: FloatArray, y: FloatArray, radius: FloatArray, mode: str
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return a lower bound of the LCI over discs, and how far the inputs turn at most."""
+        return self._design.bounds_on_discs(
+            np.divide(x, self.factor), np.divide(y, self.factor), radius / self.factor, mode
+        )
+
     def largest_lci(self, mode: str) -> tuple[float, Point] | None:
         """Return the largest LCI of the usable workspace of a mode pair, and where it is."""
         found = self._design.largest_lci(mode)
@@ -408,7 +471,12 @@ class ScaledDesign(PlanarDesign):
         report = self._design.check_path(points / self.factor, mode)
         fault = report.fault
         if fault is not None:
-            fault = dataclasses.replace(fault, position=self._out(fault.position))
+            fault = dataclasses.replace(
+                fault,
+                position=self._out(fault.position),
+                gap=self.factor * fault.gap,
+                unit=self.unit,
+            )
         return dataclasses.replace(
             report, points=points, distances=self.factor * report.distances, fault=fault
         )

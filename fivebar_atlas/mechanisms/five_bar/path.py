@@ -194,8 +194,8 @@ def _fault_at_start(
     """Return why a path cannot begin at a point, None if it can."""
     x, y = (float(each) for each in start)
 
-    def fault(reason: str) -> PathFault:
-        return PathFault(0, 0.0, (x, y), "", "", "", reason)
+    def fault(phrase: str, gap: float = 0.0) -> PathFault:
+        return PathFault(0, 0.0, (x, y), "", "", "", phrase, gap)
 
     if workspace is None:
         return fault(f"the usable workspace of {mode_label(signs)} is empty")
@@ -204,15 +204,13 @@ def _fault_at_start(
     if state.slack[worst] < -TOUCH:
         leg = 1 if worst < 2 else 2
         near = f", too near to A{leg}" if worst % 2 else ""
-        # as a share: the lengths of the machine are not known here
-        share = -100.0 * state.slack[worst] / (lengths[0] + lengths[1])
-        return fault(f"P is out of reach of leg {leg}{near}, by {share:.3g} % of its length")
+        gap = -float(state.slack[worst])
+        return fault(f"P is out of reach of leg {leg}{near}, by {{gap}}", gap)
     if state.sine < -state.least_sine:
         return fault("P lies in the other assembly mode")
     if state.on_locus:
         return _fault(lengths, signs, 0, 0.0, (x, y))
-    # The origin is the end of all rays that the workspace is described by, and on none.
-    if not workspace.contains(x, y if math.hypot(x, y) > 0.0 else 0.1 * TOUCH):
+    if not workspace.contains(x, y):
         return fault(
             "P lies in another part of the workspace, not connected with the usable workspace"
         )
@@ -513,8 +511,8 @@ def _fault(
             # where r1 = r3 both are one
             low = elbows[0, 1] < 0.0 and lengths[0] > lengths[2]
             curve = FOLD_DOWN if low else FOLD_UP
-    reason = f"meets {curve.name}: {_WHY[curve]}"
-    return PathFault(segment, share, position, curve.name, curve.symbol, curve.kind, reason)
+    phrase = f"meets {curve.name}: {_WHY[curve]}"
+    return PathFault(segment, share, position, curve.name, curve.symbol, curve.kind, phrase)
 
 
 def _input_angles(lengths: Lengths, signs: Signs, corners: FloatArray) -> FloatArray:

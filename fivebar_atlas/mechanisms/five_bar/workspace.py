@@ -31,6 +31,7 @@ from fivebar_atlas.mechanisms.five_bar.singularity import (
     COUPLER_MINUS,
     CURVES,
     FOLD_UP_FAR,
+    LEAST_SECTOR,
     MAX_CRITICAL,
     ORIGIN,
     belongs_to_mode,
@@ -63,6 +64,8 @@ class Decomposition(Protocol):
     ----------
     angles
         Critical angles, ends of the sectors, shape (MAX_CRITICAL,).
+    turn
+        Angle between the first and the last ray, π or 2π, shape (1,).
     first
         Index of the first cell of each sector, shape (MAX_CRITICAL + 1,).
     lower, upper
@@ -80,6 +83,7 @@ class Decomposition(Protocol):
     """
 
     angles: FloatArray
+    turn: FloatArray
     first: IndexArray
     lower: IndexArray
     upper: IndexArray
@@ -95,6 +99,7 @@ class Decomposition(Protocol):
 
 DECOMPOSITION = record_type(
     ("angles", np.float64, (MAX_CRITICAL,)),
+    ("turn", np.float64, (1,)),
     ("first", np.int64, (MAX_CRITICAL + 1,)),
     ("lower", np.int64, (MAX_CELLS,)),
     ("upper", np.int64, (MAX_CELLS,)),
@@ -225,7 +230,7 @@ def decompose(
     s1, s2, assembly
         Working and assembly mode as ±1.
     d
-        Receives angles, first, lower, upper and component.
+        Receives angles, turn, first, lower, upper and component.
 
     Returns
     -------
@@ -235,6 +240,7 @@ def decompose(
     symmetric = s1 != s2
     least = -0.5 * math.pi
     greatest = 0.5 * math.pi if symmetric else 1.5 * math.pi
+    d.turn[0] = greatest - least
     sectors = critical_angles(r1, r2, r3, least, greatest, d.angles) - 1
     count = 0
     for k in range(sectors):
@@ -391,7 +397,16 @@ def usable_workspace(
 def contains(
     d: Decomposition, r1: float, r2: float, r3: float, strips: int, phi: float, rho: float
 ) -> bool:
-    """Tell whether a point (ρ, φ), φ in the decomposed range, lies in the strips."""
+    """Tell whether a point (ρ, φ), φ in the decomposed range, lies in the strips.
+
+    The origin does where strips begin at it all around.
+    """
+    if rho == 0.0:
+        around = 0.0
+        for strip in range(strips):
+            if d.strip_lower[strip] == ORIGIN:
+                around += d.strip_to[strip] - d.strip_from[strip]
+        return around > d.turn[0] - LEAST_SECTOR * MAX_CRITICAL
     c, s = math.cos(phi), math.sin(phi)
     for strip in range(strips):
         if (
