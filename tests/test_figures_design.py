@@ -689,19 +689,21 @@ def test_labels_take_the_free_place_and_may_be_left_out() -> None:
     floor = points_along(np.array([[-20.0, -0.8], [20.0, -0.8]]), 0.4)
     lines_there = np.concatenate([wall, floor])
 
-    box = best_box(around(place, 0.5, 3.0, 2.0), outline, lines_there, nothing, [])
+    box = best_box(around(place, 0.5, 9.0, 3.0, 2.0), outline, lines_there, nothing, [])
     assert box is not None
     assert box.x < 0.0 < box.y
     taken = [Box(-5.0, 5.0, 8.0, 8.0)]
-    second = best_box(around(place, 0.5, 3.0, 2.0), outline, lines_there, nothing, taken)
+    second = best_box(around(place, 0.5, 9.0, 3.0, 2.0), outline, lines_there, nothing, taken)
     assert second is not None
     assert box.overlaps(taken[0])
     full = points_along(np.array([[-15.0, 0.0], [15.0, 0.0]]), 0.1)
     crowd = np.concatenate([full + np.array([0.0, shift]) for shift in np.arange(-15.0, 15.0, 0.5)])
-    assert best_box(around(place, 0.5, 3.0, 2.0), outline, crowd, nothing, [], must=False) is None
-    assert best_box(around(place, 0.5, 3.0, 2.0), outline, crowd, nothing, []) is not None
+    assert (
+        best_box(around(place, 0.5, 9.0, 3.0, 2.0), outline, crowd, nothing, [], must=False) is None
+    )
+    assert best_box(around(place, 0.5, 9.0, 3.0, 2.0), outline, crowd, nothing, []) is not None
     tiny = 0.1 * outline
-    assert best_box(around(place, 0.5, 3.0, 2.0), tiny, nothing, nothing, []) is None
+    assert best_box(around(place, 0.5, 9.0, 3.0, 2.0), tiny, nothing, nothing, []) is None
 
 
 def test_places_keep_their_distance() -> None:
@@ -711,7 +713,7 @@ def test_places_keep_their_distance() -> None:
         for box, _ in places:
             assert shapely.Polygon(box.corners()).distance(segment) > 0.0
     centre = np.array([3.0, 4.0])
-    for box, _ in around(centre, 0.5, 3.0, 2.0):
+    for box, _ in around(centre, 0.5, 9.0, 3.0, 2.0):
         assert shapely.Polygon(box.corners()).distance(shapely.Point(centre)) >= 0.7
     circle = shapely.Point(centre).buffer(5.0, quad_segs=256).boundary
     outside = [box for box, _ in beside_arc(centre, 5.0, 0.3, 1.0, 1.0)]

@@ -15,7 +15,7 @@ from fivebar_atlas.figures.drawing_area import BORDER_LEVEL, LINE_LEVEL
 from fivebar_atlas.figures.label_boxes import SPACING, beside_curve, best_box
 from fivebar_atlas.figures.plane_frame import PlaneFrame, flatness
 from fivebar_atlas.figures.plotted_data import PlottedData
-from fivebar_atlas.figures.text_placement import points_along, text_size
+from fivebar_atlas.figures.text_placement import Box, points_along, text_size
 from fivebar_atlas.planar_geometry import (
     CUSP,
     INTERSECTION,
@@ -97,8 +97,11 @@ class MarkedPoints:
         return KeyEntry(self.name, {**self.look, "markevery": [1]})
 
     def draw(self, frame: PlaneFrame, data: PlottedData | None = None) -> None:
-        """Draw the marks."""
+        """Draw the marks; labels keep off them."""
         frame.line(np.array(self.points), self.name, **self.look)
+        size = self.look["markersize"] / style.POINTS_PER_MM
+        for x, y in self.points:
+            frame.occupied.append(Box(x * frame.scale, y * frame.scale, size, size))
         if data is not None:
             data.add(self.name, self.points)
 

@@ -23,7 +23,7 @@ SPACING = 0.4
 # What speaks against covering a point of a line, and a box; both more than all else.
 _COVERED_POINT, _COVERED_BOX = 20.0, 80.0
 # The same for a faint line, and for being farther than need be by a millimetre.
-_FAINT_POINT, _FAR = 0.3, 1.5
+_FAINT_POINT, _FAR = 0.5, 3.0
 # A label of a curve within this many millimetres of other lines could belong to them.
 _ALONE = 8.0
 # What speaks against a label on another line, and against one at the end of its own.
@@ -66,6 +66,8 @@ def best_box(
     """
     best: tuple[float, Box] | None = None
     for box, cost in places:
+        if best is not None and cost >= best[0]:
+            continue
         corners = box.corners(_GAP)
         if np.any(corners < outline[0]) or np.any(corners > outline[2]):
             continue
@@ -81,11 +83,12 @@ def best_box(
     return best[1]
 
 
-def around(place: FloatArray, clearance: float, width: float, height: float) -> Iterable[Place]:
-    """Yield places around a point that keep clear of it."""
-    for distance, turn in itertools.product(
-        (0.5, 1.0, 1.7, 2.6, 4.0, 6.0, 9.0), range(_DIRECTIONS)
-    ):
+def around(
+    place: FloatArray, clearance: float, farthest: float, width: float, height: float
+) -> Iterable[Place]:
+    """Yield places around a point that keep clear of it, up to a distance."""
+    distances = [each for each in (0.5, 1.0, 1.7, 2.6, 4.0, 6.0, 9.0) if each <= farthest]
+    for distance, turn in itertools.product(distances, range(_DIRECTIONS)):
         angle = math.tau * turn / _DIRECTIONS
         yield _towards(place, angle, clearance + distance, width, height), _FAR * distance
 

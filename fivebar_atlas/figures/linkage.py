@@ -117,6 +117,7 @@ def draw_linkage(
         What it is drawn with; the ``gid`` of a link is ``link-1``, of a joint ``joint-1``.
     """
     _draw_ground(frame, pose, look)
+    frame.occupied.extend(_ground_boxes(frame, pose, look))
     widths = {BASE: look.base, CRANK: look.crank}
     links = []
     for number, link in enumerate(pose.links, start=1):
@@ -196,22 +197,24 @@ def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> No
     stands for the distance of its joints from the origin O.
     """
     lines = [frame.scale * link_points(pose, link.start, link.end) for link in pose.links]
-    obstacles = [points_along(line, SPACING) for line in lines]
     angles = _draw_angles(frame, pose)
-    obstacles += [points_along(line, SPACING) for angle in angles for line in angle.lines]
-    labels = _Labels(frame, np.concatenate(obstacles))
-    frame.occupied.extend(_ground_boxes(frame, pose, look))
+    faint = [points_along(line, SPACING) for angle in angles for line in angle.lines]
+    labels = _Labels(
+        frame,
+        np.concatenate([points_along(line, SPACING) for line in lines]),
+        np.concatenate([frame.cross, *faint]),
+    )
     joints = _joint_texts(frame, pose)
     for place, _ in joints:
         # a joint covers a little more than the ends of its links
         frame.occupied.append(Box(place[0], place[1], look.joint / 4.0, look.joint / 4.0))
     for place, text in joints:
-        labels.write(text, functools.partial(around, place, look.joint / 4.0))
+        labels.write(text, functools.partial(around, place, look.joint / 4.0, math.inf))
     for angle in angles:
         places = functools.partial(beside_arc, angle.centre, angle.radius, angle.middle)
         labels.write(angle.symbol, places, must=False)
     origin = np.zeros(2)
-    labels.write("$O$", functools.partial(around, origin, 0.6), must=False)
+    labels.write("$O$", functools.partial(around, origin, 0.6, 2.0), must=False)
     # the base last: it needs its label least
     for link, line in sorted(
         zip(pose.links, lines, strict=True), key=lambda each: each[0].kind == BASE
@@ -224,10 +227,11 @@ def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> No
 
 @dataclasses.dataclass(slots=True)
 class _Labels:
-    """Labels of a panel, and points of the lines that they must not cover."""
+    """Labels of a panel, and points of lines that they must not and better not cover."""
 
     frame: PlaneFrame
     lines: FloatArray
+    faint: FloatArray
 
     def write(
         self, text: str, places: Callable[[float, float], Iterable[Place]], must: bool = True
@@ -235,7 +239,7 @@ class _Labels:
         """Write a text at the best of the places for its width and height."""
         frame = self.frame
         candidates = places(*text_size(text, style.REGION_SIZE))
-        box = best_box(candidates, frame.outline, self.lines, frame.cross, frame.occupied, must)
+        box = best_box(candidates, frame.outline, self.lines, self.faint, frame.occupied, must)
         if box is not None:
             frame.occupied.append(box)
             frame.write(text, box, style.REGION_SIZE, halo=1.2)
