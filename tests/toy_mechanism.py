@@ -103,6 +103,10 @@ class ToyMechanism(Mechanism):
         """Return the parameters themselves."""
         return parameters.copy()
 
+    def unproject(self, points: FloatArray) -> FloatArray:
+        """Return the chart coordinates themselves."""
+        return points.copy()
+
     def chart(self, space: str) -> DesignChart:
         """Return an outline and nothing else."""
         self.check_space(space)

@@ -351,8 +351,16 @@ class Mechanism(ABC):
         """Return chart coordinates, shape (designs, 2), of designs."""
 
     @abstractmethod
+    def unproject(self, points: FloatArray) -> FloatArray:
+        """Return designs, shape (n, parameters), from chart coordinates, shape (n, 2).
+
+        The inverse of :meth:`project`, which is linear. What lies on a border of a design
+        space, up to rounding, is a design that can be evaluated.
+        """
+
+    @abstractmethod
     def chart(self, space: str) -> DesignChart:
-        """Return how the design space is drawn."""
+        """Return how the design space is drawn; its outline is convex."""
 
     def result_arrays(self, settings: SweepSettings) -> tuple[ResultArray, ...]:
         """Return what :meth:`evaluate` returns: every quantity, errors after their values."""

@@ -302,6 +302,26 @@ def project(designs: FloatArray) -> FloatArray:
     return np.stack([(2.0 * r1 + r3) / _SQRT3, r3], axis=-1)
 
 
+def unproject(points: FloatArray) -> FloatArray:
+    """Return the designs at places in the planar-closed drawing of the design space.
+
+    Parameters
+    ----------
+    points
+        Chart coordinates, shape (..., 2).
+
+    Returns
+    -------
+    ndarray
+        Designs (r1, r2, r3) with sum 3, shape (..., 3); a length that is zero but for
+        rounding is zero.
+    """
+    r3 = points[..., 1]
+    r1 = (_SQRT3 * points[..., 0] - r3) / 2.0
+    designs = np.stack([r1, 3.0 - r1 - r3, r3], axis=-1)
+    return np.where(np.abs(designs) <= 3.0 * BORDER_SLACK, 0.0, designs)
+
+
 def chart(space: str) -> DesignChart:
     """Return how a design space is drawn: outline, axes, borders and sub-region names.
 

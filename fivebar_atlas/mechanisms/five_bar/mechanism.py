@@ -307,6 +307,10 @@ class FiveBarMechanism(Mechanism):
         """Return chart coordinates of designs; see :func:`design_space.project`."""
         return design_space.project(parameters)
 
+    def unproject(self, points: FloatArray) -> FloatArray:
+        """Return designs from chart coordinates; see :func:`design_space.unproject`."""
+        return design_space.unproject(points)
+
     def chart(self, space: str) -> DesignChart:
         """Return how the design space is drawn; see :func:`design_space.chart`."""
         return design_space.chart(space)
