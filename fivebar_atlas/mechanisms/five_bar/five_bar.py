@@ -20,6 +20,7 @@ from fivebar_atlas.mechanisms.base import (
     SweepSettings,
 )
 from fivebar_atlas.mechanisms.five_bar import points
+from fivebar_atlas.mechanisms.five_bar.containment import bounds_on_discs
 from fivebar_atlas.mechanisms.five_bar.design_space import (
     OUTSIDE,
     SUB_REGIONS,
@@ -326,6 +327,36 @@ class FiveBar(PlanarDesign):
         if workspace is None:
             return np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y)))
         return workspace.lci(x, y)
+
+    def inputs(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
+        """Return θ1, θ2 in radians, in (-π, π], as one array of shape (..., 2)."""
+        return np.stack(self.inverse_kinematics(x, y, mode), axis=-1)
+
+    def bounds_on_discs(
+        self, x: npt.ArrayLike, y: npt.ArrayLike, radius: npt.ArrayLike, mode: str = "+-"
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return a lower bound of the LCI over discs, and how far θ1 and θ2 turn at most.
+
+        Parameters
+        ----------
+        x, y, radius
+            Centres and radii, which broadcast.
+        mode
+            Working mode, alone or as part of a mode pair.
+
+        Returns
+        -------
+        least : ndarray
+            No point of the disc has a smaller LCI, shape (n,); 0 where nothing can be said.
+            Where it is positive there is no singularity in the disc.
+        turns : ndarray
+            Largest differences of θ1 and θ2, in radians, between a point of the disc and its
+            centre, shape (n, 2); infinite where nothing can be said.
+        """
+        xs, ys, radii = (
+            np.ravel(each).astype(np.float64) for each in np.broadcast_arrays(x, y, radius)
+        )
+        return bounds_on_discs(self._lengths, xs, ys, radii, *_working_mode(mode))
 
     def largest_lci(self, mode: str = "+-/up") -> tuple[float, Point] | None:
         """Return the largest LCI of the usable workspace of a mode pair, and where it is.
