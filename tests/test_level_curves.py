@@ -215,9 +215,6 @@ def test_thresholds_out_of_range_are_refused(threshold: float) -> None:
         FiveBar(1.2, 1.0, 0.8).good_condition_workspace(threshold)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="a grid point on the level moves along an edge of higher ones"
-)
 def test_grid_points_that_lie_on_the_level() -> None:
     def pyramid(x: FloatArray, y: FloatArray) -> FloatArray:
         return 1.0 - np.abs(x) - np.abs(y)

@@ -181,6 +181,20 @@ def test_parallel_arcs_end_where_serial_arcs_end() -> None:
     assert checked > 5000
 
 
+def test_parallel_arcs_of_special_designs_end_on_serial_arcs() -> None:
+    for design in SPECIAL:
+        arcs = singular_arcs(design, MODES)
+        serial = [each.arc for each in arcs if each.kind == "serial"]
+        joints = isolated_points(design)
+        for each in arcs:
+            if each.kind == "serial" or each.ends == (CLOSED, CLOSED):
+                continue
+            ends = np.array([each.arc.start, each.arc.end])
+            gaps = [arc.nearest(ends)[0] for arc in serial]
+            gaps += [np.hypot(*(ends - np.array(joint)).T) for joint in joints]
+            assert np.min(gaps, axis=0).max() < 1e-12, (design, each.name)
+
+
 def test_parallel_arcs_touch_a_reach_circle_at_their_ends() -> None:
     touching = 0
     for design in RANDOM[:300]:
@@ -348,22 +362,17 @@ def test_curves_that_a_design_has_not() -> None:
         np.testing.assert_allclose(radii, math.sqrt(1.8), rtol=1e-15)
 
 
-@pytest.mark.xfail(strict=True, reason="arcs of C_col on C_1i and C_2i get modes by rounding")
 def test_sides_where_half_of_c_col_lies_on_reach_circles() -> None:
     """R = 2 : 1 : 1. Of C_col the circle of radius r1 is left, one half for +- and one for -+."""
-    for each in singular_arcs(TRIPLE, MODES):
-        if each.name != "C_col":
-            continue
-        for x, y in each.arc.points(np.linspace(0.05, 0.95, 10)):
-            for pair in each.sides:
-                s1, s2 = (1 if sign == "+" else -1 for sign in pair[:2])
-                inner, outer = (naive.det_b(*TRIPLE, f * x, f * y, s1, s2) for f in (0.999, 1.001))
-                assert inner * outer < 0.0, (x, y, pair)
+    halves = [each for each in singular_arcs(TRIPLE, MODES) if each.name == "C_col"]
+    assert len(halves) == 2
+    shares = np.array([0.24, 0.52, 0.77])
+    for each, found, _ in sides_by_sign(TRIPLE, halves, shares):
+        assert dict(each.sides) == found
+        np.testing.assert_allclose(np.hypot(*each.arc.points(shares).T), 1.5, rtol=1e-15)
+        assert each.arc.length() == pytest.approx(1.5 * math.pi)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="ends of C_col at the origin are up to 2e-4 off and unjoined"
-)
 def test_c_col_goes_on_through_the_origin() -> None:
     """Where r3² = r1² + r2² or r2² = r1² + r3², rounded angles leave C_col apart at the origin."""
     for design in (

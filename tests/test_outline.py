@@ -304,7 +304,6 @@ def test_mirror_images() -> None:
             assert one.region.area == pytest.approx(two.region.area, rel=1e-12, abs=1e-14)
 
 
-@pytest.mark.xfail(strict=True, reason="ends of C_col are moved onto vertices, its pieces are not")
 def test_area_of_designs_next_to_those_where_curves_begin_to_meet() -> None:
     for design, mode in (
         ((0.9752564930454324, 1.0123717534724583, 1.012371753482109), (1, 1, 1)),  # r2 = r3
@@ -315,7 +314,6 @@ def test_area_of_designs_next_to_those_where_curves_begin_to_meet() -> None:
         assert workspace.region.area == pytest.approx(workspace.area, rel=1e-9)
 
 
-@pytest.mark.xfail(strict=True, reason="det B of ++ and -- is rounding where r3 is less than 1e-14")
 def test_a_base_of_rounding_is_none_or_a_short_one() -> None:
     """3 - 2.01 - 0.99 is 2.2e-16."""
     limit = usable_workspace_of((2.01, 0.99 - 1e-9, 1e-9), (1, 1, 1))
@@ -326,3 +324,11 @@ def test_a_base_of_rounding_is_none_or_a_short_one() -> None:
             continue
         assert workspace.area == pytest.approx(limit.area, rel=1e-6)
         assert workspace.region.area == pytest.approx(workspace.area, rel=1e-9)
+
+
+@pytest.mark.xfail(strict=True, reason="all arcs are dropped as short, and no loop is left")
+def test_a_workspace_of_rounding_is_empty_or_has_an_outline() -> None:
+    """Where r1 - r2 is rounding, +-/down is a disc of radius √(r1² - r2²), here 2e-7."""
+    workspace = usable_workspace_of((1.5 + 1e-14, 1.5 - 1e-14, 0.0), (1, -1, -1))
+    if workspace is not None:
+        assert workspace.region.area == pytest.approx(workspace.area, abs=5e-15)

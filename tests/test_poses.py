@@ -295,19 +295,16 @@ def test_outputs_that_are_not_numbers_are_refused() -> None:
             robot.pose(math.inf, 0.0, "+-")
 
 
-@pytest.mark.xfail(strict=True, reason="comparisons with NaN are all false in check_reach")
 def test_points_without_coordinates_are_refused() -> None:
     with pytest.raises(InputError):
         FiveBar(1.2, 1.0, 0.8).pose(math.nan, 0.0, "+-")
 
 
-@pytest.mark.xfail(strict=True, reason="only OutOfReachError is told in the unit of the machine")
 def test_the_other_assembly_mode_of_a_machine_is_refused_in_its_unit() -> None:
     with pytest.raises(InputError, match=r"\(0\.0, 36\.0\)"):
         machine().pose(0.0, 36.0, "+-/down")
 
 
-@pytest.mark.xfail(strict=True, reason="the elbow of a leg folded onto its base joint is A itself")
 def test_a_leg_folded_onto_its_base_joint_has_its_lengths_or_is_refused() -> None:
     robot = FiveBar(1.2, 1.2, 0.6)
     try:
@@ -317,7 +314,6 @@ def test_a_leg_folded_onto_its_base_joint_has_its_lengths_or_is_refused() -> Non
     assert_is_a_linkage(pose, 1.2, 1.2, 0.6, slack=1e-12)
 
 
-@pytest.mark.xfail(strict=True, reason="math.remainder gives -π for -π and for 3π")
 def test_inputs_are_above_minus_pi() -> None:
     for angle in (-math.pi, 3.0 * math.pi):
         for pose in FiveBar(1.0, 1.5, 0.5).forward_poses((angle, 2.0)):
