@@ -300,7 +300,9 @@ class CircleArc(Arc):
         """Return exact points whose chords leave the arc by no more than asked."""
         chords = 1
         if deviation < self.radius:
-            chords = math.ceil(abs(self.sweep) / (2.0 * math.acos(1.0 - deviation / self.radius)))
+            # below some 1e-9 of the radius the number of chords is at its limit
+            share = max(deviation / self.radius, 1e-12)
+            chords = math.ceil(abs(self.sweep) / (2.0 * math.acos(1.0 - share)))
         chords = min(max(chords, math.ceil(abs(self.sweep) / 2.0), 1), _MOST_CHORDS)
         return self._with_exact_ends(self.points(np.linspace(0.0, 1.0, chords + 1)))
 

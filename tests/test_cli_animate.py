@@ -295,7 +295,7 @@ def test_points_from_a_file(atlas: Command, tmp_path: Path) -> None:
             r"the path is not feasible at \(.*\): meets C_[12]i: leg [12] is folded "
             r"\(singularity: serial\)",
         ),
-        (("--circle", 2.0, 0, 1.01), r"at \(3.01, 0\): P is out of reach of leg . by 0\.01"),
+        (("--circle", 2.0, 0, 1.01), r"at \(3.01, 0\): P is out of reach of leg ., by 0\.01"),
         (
             ("--points", "points.csv"),
             r"not feasible between point 1 and point 2, at \(0.44, 0\): meets C_",

@@ -326,7 +326,6 @@ def test_a_base_of_rounding_is_none_or_a_short_one() -> None:
         assert workspace.region.area == pytest.approx(workspace.area, rel=1e-9)
 
 
-@pytest.mark.xfail(strict=True, reason="all arcs are dropped as short, and no loop is left")
 def test_a_workspace_of_rounding_is_empty_or_has_an_outline() -> None:
     """Where r1 - r2 is rounding, +-/down is a disc of radius √(r1² - r2²), here 2e-7."""
     workspace = usable_workspace_of((1.5 + 1e-14, 1.5 - 1e-14, 0.0), (1, -1, -1))

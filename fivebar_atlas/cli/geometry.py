@@ -15,7 +15,7 @@ from fivebar_atlas.cli.progress import note_compilation
 
 if TYPE_CHECKING:
     from fivebar_atlas.geometry_files.design_geometry import DesignGeometry, PlacedArc
-    from fivebar_atlas.planar_geometry import Point, Region
+    from fivebar_atlas.planar_geometry import Point
 
 _DEFAULT_LCI = 0.5
 _HEADINGS = ("curve", "kind", "start", "end", "length", "ends", "centre", "radius", "modes")
@@ -127,8 +127,6 @@ def _contents(found: DesignGeometry) -> str:
 
 def _table(found: DesignGeometry) -> Iterator[str]:
     """Yield the lines of a readable table."""
-    from fivebar_atlas.geometry_files.design_geometry import area_error
-
     design = found.design
     unit = f" {design.unit}" if design.unit else ""
     squared = f"{unit}²" if unit else ""
@@ -145,9 +143,9 @@ def _table(found: DesignGeometry) -> Iterator[str]:
     for number, region in enumerate(found.regions, 1):
         yield ""
         count = f" {number} of {len(found.regions)}" if len(found.regions) > 1 else ""
-        error = area_error(region)
-        digits = 5 if error else 8
-        yield f"region{count}: area {_area(region, error)}{squared}"
+        # a level curve is known by points
+        digits = 8 if found.lci_threshold is None else 6
+        yield f"region{count}: area {region.area:.{digits}g}{squared}"
         for place, loop in enumerate(region.loops):
             name = f"hole {place}" if place else "outline"
             around = math.fsum(each.arc.length() for each in loop.arcs)
@@ -168,14 +166,6 @@ def _table(found: DesignGeometry) -> Iterator[str]:
     if found.isolated_points:
         yield ""
         yield f"isolated singular points: {', '.join(map(_point, found.isolated_points))}"
-
-
-def _area(region: Region, error: float) -> str:
-    """Return the area of a region, with its error and no more digits where it has one."""
-    if not error:
-        return f"{region.area:.10g}"
-    digits = math.ceil(math.log10(region.area / error)) + 1
-    return f"{region.area:.{max(digits, 1)}g} ± {error:.1g}"
 
 
 def _arc_lines(placed: Iterable[PlacedArc]) -> Iterator[str]:

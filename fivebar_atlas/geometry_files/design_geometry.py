@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -19,7 +18,6 @@ from fivebar_atlas.planar_geometry import (
     FloatArray,
     NamedArc,
     Point,
-    PolylineArc,
     Region,
 )
 
@@ -195,19 +193,6 @@ def plain(symbol: str) -> str:
     return "".join(letter for letter in symbol if letter not in "${}_\\")
 
 
-def area_error(region: Region) -> float:
-    """Return how far the area of a region may be off: 0 but where its boundary is a polygon.
-
-    Twice what leaving out every other corner changes, which does more than there is to mend.
-    """
-    changes = []
-    for each in region.arcs:
-        if isinstance(each.arc, PolylineArc):
-            coarse = PolylineArc(np.vstack([each.arc.corners[:-1:2], each.arc.corners[-1:]]))
-            changes.append(abs(each.arc.swept_area() - coarse.swept_area()))
-    return 2.0 * math.fsum(changes)
-
-
 def sides_text(sides: Mapping[str, str]) -> str:
     """Return which mode pairs lie on which side: ``"left: +-/up ++/up; right: +-/down"``.
 
@@ -257,12 +242,19 @@ def _good_condition(design: PlanarDesign, mode: str, threshold: float) -> Design
     parts = design.good_condition_workspace(threshold, mode)
     absence = ""
     if not parts:
-        usable = design.usable_workspace(mode)
+        largest = design.largest_lci(mode)
         absence = _emptiness(mode)
-        if usable is not None:
-            absence = _low_condition(threshold, mode, largest_lci(design, mode))
-    regions = tuple(_tagged(part, mode) for part in parts)
-    return DesignGeometry(GOOD_CONDITION, design, mode, threshold, regions=regions, absence=absence)
+        if largest is not None:
+            absence = _low_condition(threshold, mode, largest[0])
+    return DesignGeometry(
+        GOOD_CONDITION,
+        design,
+        mode,
+        threshold,
+        regions=tuple(_tagged(part, mode) for part in parts),
+        area=design.good_condition_area(threshold, mode)[0],
+        absence=absence,
+    )
 
 
 def _low_condition(threshold: float, mode: str, largest: float) -> str:
@@ -308,28 +300,3 @@ def _base_joints(geometry: DesignGeometry) -> tuple[Point, ...]:
     ((x, y),) = placed[0].named.arc.points(np.array([0.5]))
     joints = geometry.design.inverse_poses(float(x), float(y))[0].joints
     return tuple(dict.fromkeys(joint.position for joint in joints if joint.kind == ACTUATED))
-
-
-def largest_lci(design: PlanarDesign, mode: str) -> float:
-    """Return the largest LCI in the usable workspace of a mode pair, 0 where it is empty.
-
-    Looked for on a grid, then on ever finer ones around the best point so far. Where the
-    largest value is a limit in a sharp corner, it may be missed by a per cent.
-    """
-    usable = design.usable_workspace(mode)
-    if usable is None:
-        return 0.0
-    line = np.concatenate(usable.region.polygons(_EXTENT_DEVIATION * design.factor))
-    centre = 0.5 * (line.min(axis=0) + line.max(axis=0))
-    half = 0.5 * (line.max(axis=0) - line.min(axis=0))
-    lines, best = _FIRST_LINES, 0.0
-    for _ in range(_ZOOMS):
-        steps = np.linspace(-1.0, 1.0, lines)
-        x, y = (part.ravel() for part in np.meshgrid(*(centre[:, None] + half[:, None] * steps)))
-        values = design.lci_inside(x, y, mode)
-        place = int(np.argmax(values))
-        if values[place] >= best:
-            best, centre = float(values[place]), np.array([x[place], y[place]])
-        half = half * (4.0 / lines if lines == _FIRST_LINES else _ZOOM)
-        lines = _LINES
-    return best

@@ -19,13 +19,12 @@ The keys of the document are
 ``isolated_points``
     Singular points that no arc passes through.
 ``regions``
-    Each with its ``area``, the ``area_error`` (0 but where a level curve is given by points)
-    and its ``outline`` and ``holes``. A boundary has the signed
-    ``area`` that it encloses (Green's theorem: positive counter-clockwise), its ``length`` and
-    its ``arcs`` in order, the region on their left.
+    Each with its ``area``, ``outline`` and ``holes``. A boundary has the signed ``area`` that
+    it encloses (Green's theorem: positive counter-clockwise), its ``length`` and its ``arcs``
+    in order, the region on their left.
 ``area``
-    ``green``, the sum over the regions, and ``integrated``, what the sweep integrates (null
-    where it does not integrate this); null where there are no areas.
+    ``green``, the sum over the regions, and ``integrated``, what the sweep integrates; null
+    where there are no areas.
 ``base_joints``
     The actuated joints.
 
@@ -59,7 +58,6 @@ from fivebar_atlas.geometry_files.design_geometry import (
     LOCI,
     DesignGeometry,
     PlacedArc,
-    area_error,
 )
 from fivebar_atlas.planar_geometry import CircleArc, Region
 
@@ -116,7 +114,6 @@ def _region(region: Region, placed: Iterable[PlacedArc], deviation: float) -> di
     ]
     return {
         "area": region.area,
-        "area_error": area_error(region),
         "outline": boundaries[0],
         "holes": boundaries[1:],
     }

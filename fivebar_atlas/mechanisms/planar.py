@@ -240,6 +240,13 @@ class PlanarDesign(ABC):
         """
 
     @abstractmethod
+    def good_condition_area(self, lci_threshold: float, mode: str) -> tuple[float, float]:
+        """Return the area of the usable workspace with at least this LCI, and its error.
+
+        Integrated, not that of the polylines above.
+        """
+
+    @abstractmethod
     def inscribed_circles(self, mode: str) -> tuple[CircleArc, ...]:
         """Return the maximal inscribed circles of the usable workspace, those there are."""
 
@@ -413,6 +420,11 @@ class ScaledDesign(PlanarDesign):
         """Return the parts of the usable workspace with at least this LCI, largest first."""
         parts = self._design.good_condition_workspace(lci_threshold, mode)
         return tuple(part.scaled(self.factor) for part in parts)
+
+    def good_condition_area(self, lci_threshold: float, mode: str) -> tuple[float, float]:
+        """Return the area of the usable workspace with at least this LCI, and its error."""
+        area, error = self._design.good_condition_area(lci_threshold, mode)
+        return self.factor**2 * area, self.factor**2 * error
 
     def inscribed_circles(self, mode: str) -> tuple[CircleArc, ...]:
         """Return the maximal inscribed circles of the usable workspace, those there are."""

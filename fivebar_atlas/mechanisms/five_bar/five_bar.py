@@ -27,6 +27,7 @@ from fivebar_atlas.mechanisms.five_bar.design_space import (
     normalise,
     sub_region,
 )
+from fivebar_atlas.mechanisms.five_bar.isotropy import MAX_ISOTROPIC, isotropic_points
 from fivebar_atlas.mechanisms.five_bar.loci import isolated_points, mode_label, singular_arcs
 from fivebar_atlas.mechanisms.five_bar.mechanism import (
     ASSEMBLY_MODES,
@@ -46,6 +47,8 @@ _MECHANISM = FiveBarMechanism()
 _SUM_SLACK = 1e-9
 # Grid cells along a workspace from which its level curves start.
 _LEVEL_CELLS = 400
+# And how far the middle of a side may be from them.
+_LEVEL_DEVIATION = 1e-6
 # Chords of an outline leave it by no more than this where its extent is all that matters.
 _OUTLINE_DEVIATION = 1e-3
 
@@ -285,8 +288,10 @@ class FiveBar(PlanarDesign):
     ) -> tuple[Region, ...]:
         """Return the parts of the usable workspace with at least this LCI, largest first.
 
-        Their boundaries are polylines with corners exactly on the level curve, some 0.01
-        apart (Sec. 9.2, step 1; Fig. 13). Exact areas come from :meth:`evaluate`.
+        Their boundaries are polylines with corners exactly on the level curve, and sides
+        that leave it by some 1e-6 (Sec. 9.2, step 1; Fig. 13). Parts smaller than 1/400 of
+        the workspace are found around isotropic points and the largest LCI; of long parts
+        thinner than that only pieces may be. Exact areas come from :meth:`evaluate`.
 
         Raises
         ------
@@ -303,7 +308,32 @@ class FiveBar(PlanarDesign):
         field = SampledField.over(
             workspace.lci, corners.min(axis=0), corners.max(axis=0), _LEVEL_CELLS
         )
-        return level_regions(field, lci_threshold, "LCI", r"$1/\kappa_J$")
+        return level_regions(
+            field, lci_threshold, "LCI", r"$1/\kappa_J$", self._peaks(mode), _LEVEL_DEVIATION
+        )
+
+    def good_condition_area(
+        self, lci_threshold: float = 0.5, mode: str = "+-/up"
+    ) -> tuple[float, float]:
+        """Return the area of the usable workspace with at least this LCI, and its error.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode pair.
+        InputError
+            If the threshold is not above 0 and below 1.
+        """
+        (found,) = self.evaluate(mode, [lci_threshold])["good_condition"]
+        return found["area"], found["area_error"]
+
+    def _peaks(self, mode: str) -> tuple[Point, ...]:
+        """Return the isotropic points of a working mode, and where the LCI is largest."""
+        found = np.empty((MAX_ISOTROPIC, 2))
+        count = isotropic_points(*self._lengths, *_working_mode(mode), found)
+        largest = self.largest_lci(mode)
+        isotropic = [(float(x), float(y)) for x, y in found[:count]]
+        return (*isotropic, *(() if largest is None else (largest[1],)))
 
     def inscribed_circles(self, mode: str = "+-/up") -> tuple[CircleArc, ...]:
         """Return the maximal inscribed circles with centres on the y axis, upper one first.

@@ -148,6 +148,8 @@ def usable_workspace_of(lengths: Lengths, signs: Signs) -> UsableWorkspace | Non
             arcs = [_image(each, mirror_x, mirror_y) for each in ordered]
         if arcs:
             loops.append(closed_loop(arcs))
+    if not loops:  # no larger than rounding
+        return None
     region = region_of(loops)
     symmetric = s1 != s2 and copies == 2.0
     return UsableWorkspace(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from fivebar_atlas.errors import InputError, OutOfReachError
-from fivebar_atlas.mechanisms.five_bar.jacobian import lci, signed_det_b
+from fivebar_atlas.mechanisms.five_bar.jacobian import distal_products, lci
 from fivebar_atlas.mechanisms.five_bar.kinematics import elbow, forward, inverse
 from fivebar_atlas.mechanisms.five_bar.loci import Lengths, mode_label
 from fivebar_atlas.mechanisms.planar import (
@@ -70,9 +70,9 @@ def pose_at(lengths: Lengths, x: float, y: float, s1: int, s2: int) -> Pose:
     r1, r2, r3 = lengths
     b1 = elbow(r1, r2, -r3, x, y, s1)
     b2 = elbow(r1, r2, r3, x, y, s2)
-    det = signed_det_b(*lengths, x, y, s1, s2)
+    _, _, det, _, scale = distal_products(*lengths, x, y, s1, s2)
     mode = mode_label((s1, s2, 1 if det > 0.0 else -1))
-    if det == 0.0:
+    if abs(det) <= _ROUNDING * scale:
         mode = mode.partition("/")[0]
     inputs = inverse(*lengths, x, y, s1, s2)
     return _pose(lengths, b1, b2, (x, y), inputs, mode, lci(*lengths, x, y, s1, s2))
