@@ -139,6 +139,13 @@ class SampledField:
         """Return the curves on which the function has a value, shape (n, 2) each."""
         return [self._exact(np.asarray(line), level) for line in self._generator.lines(level)]
 
+    def settled(self, loop: FloatArray, level: float, deviation: float) -> FloatArray:
+        """Move corners of a polygon that are within a deviation of the level curve onto it."""
+        along = np.roll(loop, -1, axis=0) - np.roll(loop, 1, axis=0)
+        lengths = np.maximum(np.hypot(*along.T), 1e-300)
+        outward = deviation * np.column_stack([along[:, 1], -along[:, 0]]) / lengths[:, None]
+        return self._crossed(loop, outward, level)
+
     def _halved(self, loop: FloatArray, level: float, deviation: float) -> FloatArray:
         """Halve the sides of a closed polygon that leave the level curve by too much.
 
@@ -242,7 +249,10 @@ def level_regions(
     found = field.polygons(level, deviation)
     if _merged(found) is not found:  # pieces of one part, thinner than the grid
         field = field.finer(_FINER)
-        found = _merged(field.polygons(level, deviation))
+        found = [
+            [field.settled(loop, level, deviation) for loop in part]
+            for part in _merged(field.polygons(level, deviation))
+        ]
     for peak in peaks:
         if not any(_is_within(peak, outline) for outline, *_ in found):
             found.extend(_small_parts(field, level, peak, deviation))

@@ -158,9 +158,15 @@ def test_good_condition_workspaces_of_random_designs() -> None:
             assert all(hole.area < 0.0 for hole in region.holes)
             for each in region.arcs:
                 corners = each.arc.polyline(1.0)
-                lci = naive.lci(*design, *corners.T, *mode[:2])
-                # but for those in corners between reach circles, where it has many limits
-                assert np.mean(np.abs(lci - threshold) < 1e-8) > 0.99, design
+                # in corners between reach circles it is steep beyond all rounding
+                around = [
+                    np.nan_to_num(naive.lci(*design, *(corners + aside).T, *mode[:2]))
+                    for aside in 1e-8 * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+                ]
+                low, high = np.min(around, axis=0), np.max(around, axis=0)
+                met = (low <= threshold + 1e-9) & (high >= threshold - 1e-9)
+                # where pieces of a thin part are joined a few corners are 1e-6 aside
+                assert np.mean(met) > 0.99, design
                 perimeter += each.arc.length()
         workspace = robot.usable_workspace(label(*mode))
         assert workspace is not None
