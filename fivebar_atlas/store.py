@@ -472,11 +472,11 @@ class Atlas:
                 break
         else:
             return ()
-        find = {MODE: lambda: self._mode_index(mode), THRESHOLD: lambda: self._lci_index(lci)}
+        find = {MODE: lambda: self.mode_index(mode), THRESHOLD: lambda: self.lci_index(lci)}
         return tuple(find[dimension]() for dimension in dimensions)
 
-    def _mode_index(self, mode: str | None) -> int:
-        """Return the place of a mode pair on the mode axis."""
+    def mode_index(self, mode: str | None) -> int:
+        """Return the place of a mode pair on the mode axis; raise as :meth:`select` does."""
         label = mode if mode is None else self.mechanism.parse_mode(mode)
         if label is None and len(self.modes) == 1:
             return 0
@@ -484,8 +484,8 @@ class Atlas:
             raise InputError("mode", mode, f"one of those in {self.path}: {', '.join(self.modes)}")
         return self.modes.index(label)
 
-    def _lci_index(self, lci: float | None) -> int:
-        """Return the place of a threshold on the threshold axis."""
+    def lci_index(self, lci: float | None) -> int:
+        """Return the place of a threshold on its axis; raise as :meth:`select` does."""
         if lci is None and len(self.lci_thresholds) == 1:
             return 0
         for index, threshold in enumerate(self.lci_thresholds):

@@ -24,6 +24,7 @@ _COMMANDS = {
     "sweep": "Compute an atlas: every design of a design space.",
     "plot": "Draw a figure from an atlas.",
     "evaluate": "Evaluate one design.",
+    "optimum": "Find the region where conditions hold, and the best designs in it.",
     "animate": "Show a linkage that follows a path.",
     "path": "Tell whether a linkage can follow a path.",
     "info": "Say what is in a result file and how it was made.",

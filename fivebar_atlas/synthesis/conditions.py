@@ -156,3 +156,16 @@ def condition_margins(
     for row, condition in enumerate(conditions):
         margins[row] = condition.margin(atlas.select(condition.quantity, mode, lci))
     return margins
+
+
+def check_contradictions(conditions: Sequence[Condition], name: str = "--where") -> None:
+    """Raise InputError where no value at all fulfils all conditions on one quantity."""
+    for above in conditions:
+        for below in conditions:
+            if above.quantity != below.quantity or above.operator[0] + below.operator[0] != "><":
+                continue
+            strict = len(above.operator + below.operator) < 4
+            if above.bound > below.bound or (strict and above.bound == below.bound):
+                raise InputError(
+                    name, f"{above}, {below}", "conditions that do not contradict each other"
+                )

@@ -39,7 +39,7 @@ def file_options(command: Command) -> Command:
 
 
 @contextlib.contextmanager
-def _asked_to_choose() -> Iterator[None]:
+def asked_to_choose() -> Iterator[None]:
     """Name the option where a file holds several mode pairs or thresholds and none is chosen."""
     try:
         yield
@@ -93,7 +93,7 @@ def _draw_quantity(
     from fivebar_atlas.store import open_atlas
 
     check_figure_output(output, overwrite)
-    with open_atlas(file) as atlas, _asked_to_choose():
+    with open_atlas(file) as atlas, asked_to_choose():
         figure = quantity_figure(atlas, name, mode, lci, width=width)
     save_figure(figure, output, overwrite)
 
@@ -155,7 +155,7 @@ def region(
 
     check_figure_output(output, overwrite)
     conditions = [parse_condition(where) for where in wheres]
-    with open_atlas(file) as atlas, _asked_to_choose():
+    with open_atlas(file) as atlas, asked_to_choose():
         found = optimum_region(atlas, conditions, mode, lci)
         bounds = [(each.quantity, each.operator, each.bound) for each in conditions]
         figure = region_figure(atlas, found.region, bounds, mode, lci, width=width)

@@ -1,0 +1,264 @@
+"""The designs of a lattice under conditions, and the best of them by exact values."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from fivebar_atlas.store import Atlas
+from fivebar_atlas.synthesis.conditions import Condition
+from fivebar_atlas.synthesis.exact_values import ExactValues, has_exact_values
+from fivebar_atlas.synthesis.maximise import Optimum, local_maxima, maximise
+from fivebar_atlas.synthesis.objectives import Objective
+from fivebar_atlas.synthesis.optimum_region import OptimumRegion, optimum_region
+from fivebar_atlas.synthesis.refined_region import (
+    RefinedRegion,
+    condition_scales,
+    outline_error,
+    refine,
+)
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+# Starts of a search: so many summits of the lattice, and corners of the region.
+_SUMMITS = 6
+_CORNERS = 2
+
+
+class Candidates:
+    """The designs of a result file that fulfil conditions.
+
+    Parameters
+    ----------
+    atlas
+        The open result file.
+    conditions
+        The conditions; none means all designs.
+    mode, lci
+        Mode pair and LCI threshold of the quantities that depend on them; needed only
+        where the file holds several.
+
+    Raises
+    ------
+    UnknownNameError
+        If a condition names something that is neither a quantity nor a parameter.
+    InputError
+        If a mode pair or threshold is not in the file or must be chosen.
+    FileError
+        If the file is damaged.
+    """
+
+    def __init__(
+        self,
+        atlas: Atlas,
+        conditions: Sequence[Condition],
+        mode: str | None = None,
+        lci: float | None = None,
+    ) -> None:
+        self.atlas = atlas
+        self.conditions = tuple(conditions)
+        self.mode = mode
+        self.lci = lci
+        self.region: OptimumRegion = optimum_region(atlas, conditions, mode, lci)
+
+    @functools.cached_property
+    def points(self) -> FloatArray:
+        """Designs of the lattice in the chart, shape (designs, 2)."""
+        return self.atlas.mechanism.project(self.atlas.designs)
+
+    @functools.cached_property
+    def triangles(self) -> IntArray:
+        """Triangulation of the lattice, shape (triangles, 3)."""
+        settings = self.atlas.settings
+        return self.atlas.mechanism.triangles(settings.space, settings.resolution)
+
+    @functools.cached_property
+    def fulfilled(self) -> BoolArray:
+        """Which designs of the lattice fulfil all conditions, shape (designs,)."""
+        fulfilled = np.ones(len(self.atlas), dtype=np.bool_)
+        for condition in self.conditions:
+            fulfilled &= condition.holds(self.values((condition.quantity,))[0])
+        return fulfilled
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no design at all fulfils the conditions, on the lattice or between."""
+        return self.region.region.is_empty and self.region.lattice_designs == 0
+
+    @property
+    def margins(self) -> FloatArray:
+        """Margins of the conditions at the designs, shape (conditions, designs)."""
+        rows = [
+            condition.margin(self.values((condition.quantity,))[0]) for condition in self.conditions
+        ]
+        return np.array(rows).reshape(len(rows), len(self.atlas))
+
+    @property
+    def scales(self) -> FloatArray:
+        """The scale of each condition's margin, shape (conditions,)."""
+        return condition_scales(self.conditions, self.margins)
+
+    def values(self, names: Sequence[str]) -> FloatArray:
+        """Return stored values, shape (names, designs)."""
+        return np.array([self.atlas.select(name, self.mode, self.lci) for name in names])
+
+    def errors(self, names: Sequence[str]) -> FloatArray:
+        """Return stored error estimates, shape (names, designs).
+
+        0 for parameters, NaN for what has no estimate.
+        """
+        parameters = [parameter.name for parameter in self.atlas.mechanism.parameters]
+        rows = []
+        for name in names:
+            companion = f"{name}_error"
+            if name in parameters:
+                rows.append(np.zeros(len(self.atlas)))
+            elif companion in self.atlas.names:
+                rows.append(self.atlas.select(companion, self.mode, self.lci))
+            else:
+                rows.append(np.full(len(self.atlas), np.nan))
+        return np.array(rows)
+
+    def exact(self, names: Sequence[str] = ()) -> ExactValues:
+        """Return exact values of the conditions' quantities and of others."""
+        quantities = [condition.quantity for condition in self.conditions]
+        return ExactValues.of_atlas(self.atlas, [*quantities, *names], self.mode, self.lci)
+
+    def interpolation_error(self) -> float:
+        """Return the largest relative error of interpolated bounds on the outline.
+
+        NaN where a condition is on an error estimate, which has no exact value.
+        """
+        if not has_exact_values(self.atlas, [each.quantity for each in self.conditions]):
+            return float("nan")
+        if self.region.region.is_empty or not self.conditions:
+            return 0.0
+        return outline_error(
+            self.region.region,
+            self.conditions,
+            self.triangles,
+            self.points,
+            self.margins,
+            self.exact(),
+        )
+
+    def refined(self) -> RefinedRegion:
+        """Return the region between the true level sets; see :func:`refine`."""
+        return refine(
+            self.region.region,
+            self.conditions,
+            self.triangles,
+            self.points,
+            self.margins,
+            self.exact(),
+        )
+
+    def refined_extent(self, outline: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Return the range of every parameter under the conditions, by exact values.
+
+        Parameters
+        ----------
+        outline
+            The loops of a refined region.
+
+        Returns
+        -------
+        least, greatest
+            Shape (parameters,); at least as wide as the range of the outline's corners
+            that fulfil the conditions.
+        """
+        parameters = [parameter.name for parameter in self.atlas.mechanism.parameters]
+        corners = np.concatenate([np.empty((0, 2)), *outline])
+        ends = np.full((2, len(parameters)), np.nan)
+        for column, name in enumerate(parameters):
+            exact = self.exact([name])
+            along = self.atlas.mechanism.unproject(corners)[:, column]
+            for row, sign in enumerate((-1.0, 1.0)):
+                starts = corners[np.argsort(-sign * along, kind="stable")[:1]]
+                found = maximise(
+                    exact,
+                    Objective((name,), (sign,)),
+                    self.conditions,
+                    self.scales,
+                    np.vstack([starts, self.starts(sign * self.values((name,))[0], 1, 0)]),
+                    trials=False,
+                )
+                if found is not None:
+                    ends[row, column] = sign * found.value
+        return ends[0], ends[1]
+
+    def starts(
+        self, values: FloatArray, summits: int = _SUMMITS, corners: int = _CORNERS
+    ) -> FloatArray:
+        """Return where to look for the largest value, points of the chart, shape (n, 2).
+
+        Parameters
+        ----------
+        values
+            What is to be large, at every design of the lattice.
+        summits, corners
+            How many designs that no neighbour surpasses, and corners of the region where
+            the interpolated value is largest.
+        """
+        tops = local_maxima(values, self.fulfilled, self.triangles, summits)
+        parts = [self.points[tops]]
+        region = self.region.region
+        if len(region.corner_triangles) and corners:
+            vertices = self.triangles[region.corner_triangles]
+            interpolated = np.einsum("cv,cv->c", region.corner_weights, values[vertices])
+            interpolated = np.where(np.isfinite(interpolated), interpolated, -np.inf)
+            best = np.argsort(-interpolated, kind="stable")[:corners]
+            places = np.einsum(
+                "cv,cvx->cx", region.corner_weights[best], self.points[vertices[best]]
+            )
+            parts.append(places)
+        return np.vstack(parts)
+
+    def normalised(self, objective: Objective) -> Objective:
+        """Return an objective normalised by the designs of the lattice that fulfil all.
+
+        Where none does, by all designs.
+        """
+        values = self.values(objective.names)
+        exists = np.isfinite(values).all(axis=0)
+        chosen = exists & self.fulfilled
+        return objective.normalised(values[:, chosen if chosen.any() else exists])
+
+    def best_designs(self, objective: Objective, count: int) -> IntArray:
+        """Return the designs of the lattice with the largest objective, best first."""
+        total = objective.value(self.values(objective.names))
+        usable = np.flatnonzero(self.fulfilled & np.isfinite(total))
+        return usable[np.argsort(-total[usable], kind="stable")][:count]
+
+    def maximise(
+        self, objective: Objective, *, near: Sequence[FloatArray] = (), trials: bool = True
+    ) -> Optimum | None:
+        """Return the best design under the conditions by exact values; see :func:`maximise`.
+
+        Parameters
+        ----------
+        objective
+            What is to be large, normalised if it is a sum.
+        near
+            Further designs to start from.
+        trials
+            Whether to search around the best point by trial at the end.
+        """
+        total = objective.value(self.values(objective.names))
+        finite = total[np.isfinite(total)]
+        span = float(np.ptp(finite)) if len(finite) else 0.0
+        starts = [self.starts(total), *(self.atlas.mechanism.project(each) for each in near)]
+        return maximise(
+            self.exact(objective.names),
+            objective,
+            self.conditions,
+            self.scales,
+            np.vstack(starts),
+            span or 1.0,
+            trials=trials,
+        )

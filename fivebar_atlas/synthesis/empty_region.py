@@ -1,0 +1,140 @@
+"""Why no design fulfils all conditions, and what comes closest."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from fivebar_atlas.synthesis.candidates import Candidates
+from fivebar_atlas.synthesis.conditions import Condition
+from fivebar_atlas.synthesis.exact_values import has_exact_values
+from fivebar_atlas.synthesis.objectives import Objective
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Reach:
+    """The best value that the quantity of a condition reaches.
+
+    Attributes
+    ----------
+    condition
+        The condition.
+    alone, alone_design
+        The best value over the whole design space, and where.
+    among, among_design
+        The same over the designs that fulfil all other conditions; None where there are
+        none, too.
+    """
+
+    condition: Condition
+    alone: float | None
+    alone_design: FloatArray | None
+    among: float | None
+    among_design: FloatArray | None
+
+    @property
+    def is_met(self) -> bool:
+        """Whether a design fulfils the condition together with all others after all.
+
+        Exact values may reach a bound between designs of the lattice that all miss it.
+        """
+        return self.among is not None and bool(self.condition.holds(np.array(self.among)))
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Conflict:
+    """Conditions that no design fulfils.
+
+    Attributes
+    ----------
+    conditions
+        Conditions of which each can be left out to get designs that fulfil the rest.
+    reaches
+        What the quantity of each condition given reaches, in their order.
+    """
+
+    conditions: tuple[Condition, ...]
+    reaches: tuple[Reach, ...]
+
+    @property
+    def met_designs(self) -> list[FloatArray]:
+        """Designs, none of the lattice, that fulfil all conditions after all."""
+        return [
+            reach.among_design
+            for reach in self.reaches
+            if reach.is_met and reach.among_design is not None
+        ]
+
+    @property
+    def is_met(self) -> bool:
+        """Whether there are such designs."""
+        return bool(self.met_designs)
+
+
+def explain_emptiness(empty: Candidates) -> Conflict:
+    """Return which conditions empty a region and how far each quantity gets.
+
+    Parameters
+    ----------
+    empty
+        Conditions that no design of the lattice or between fulfils.
+
+    Returns
+    -------
+    Conflict
+        The best values are exact where the quantity has values anywhere, and otherwise
+        (error estimates) those of the lattice.
+    """
+    conditions = empty.conditions
+    reaches = []
+    for place, condition in enumerate(conditions):
+        others = conditions[:place] + conditions[place + 1 :]
+        alone = _best(empty, condition, ())
+        among = _best(empty, condition, others) if others else alone
+        reaches.append(Reach(condition, *alone, *among))
+    return Conflict(_smallest_conflict(empty), tuple(reaches))
+
+
+def _under(candidates: Candidates, conditions: Sequence[Condition]) -> Candidates:
+    return Candidates(candidates.atlas, conditions, candidates.mode, candidates.lci)
+
+
+def _smallest_conflict(empty: Candidates) -> tuple[Condition, ...]:
+    """Return one or two conditions in conflict; otherwise some of which none can be missed."""
+    for size in (1, 2):
+        for chosen in itertools.combinations(empty.conditions, size):
+            if _under(empty, chosen).is_empty:
+                return chosen
+    needed = list(empty.conditions)
+    for condition in empty.conditions:
+        rest = [other for other in needed if other is not condition]
+        if _under(empty, rest).is_empty:
+            needed = rest
+    return tuple(needed)
+
+
+def _best(
+    empty: Candidates, condition: Condition, others: Sequence[Condition]
+) -> tuple[float | None, FloatArray | None]:
+    """Return the best value of a condition's quantity under others, and the design."""
+    candidates = _under(empty, others)
+    sign = 1.0 if condition.operator[0] == ">" else -1.0
+    objective = Objective((condition.quantity,), (sign,))
+    if candidates.is_empty:
+        return None, None
+    if not has_exact_values(empty.atlas, [each.quantity for each in (condition, *others)]):
+        best = candidates.best_designs(objective, 1)
+        if not len(best):
+            return None, None
+        value = candidates.values(objective.names)[0, best[0]]
+        return float(value), candidates.atlas.designs[best[0]]
+    found = candidates.maximise(objective, trials=False)
+    if found is None:
+        return None, None
+    return sign * found.value, candidates.atlas.mechanism.unproject(found.point)

@@ -1,0 +1,165 @@
+"""Values of any designs from the mechanism itself, as functions of chart coordinates."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from fivebar_atlas.errors import InputError
+from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Mechanism, SweepSettings
+from fivebar_atlas.store import Atlas
+from fivebar_atlas.synthesis.design_polygon import DesignPolygon
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Relative tolerance of values that regions and optima are computed from.
+TOLERANCE = 1e-9
+
+#: Step of differences in the chart: its square and the tolerance over it are alike small.
+STEP = 1e-4
+
+
+def has_exact_values(atlas: Atlas, names: Sequence[str]) -> bool:
+    """Return whether no name is an error estimate, which belongs to the file alone."""
+    arrays = atlas.mechanism.result_arrays(atlas.settings)
+    return not {array.name for array in arrays if array.is_error} & set(names)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class ExactValues:
+    """Some quantities as functions of the place in the chart.
+
+    Attributes
+    ----------
+    mechanism
+        The mechanism.
+    settings
+        What is evaluated: one mode pair, at most one threshold, the tolerance.
+    names
+        Parameters and quantities, in the order of the rows of values.
+    polygon
+        The design space; a point outside is taken to be the nearest one in it.
+    """
+
+    mechanism: Mechanism
+    settings: SweepSettings
+    names: tuple[str, ...]
+    polygon: DesignPolygon
+
+    @classmethod
+    def of_atlas(
+        cls,
+        atlas: Atlas,
+        names: Sequence[str],
+        mode: str | None = None,
+        lci: float | None = None,
+        tolerance: float = TOLERANCE,
+    ) -> ExactValues:
+        """Return quantities of a result file, for any design of its space.
+
+        Parameters
+        ----------
+        atlas
+            The open result file.
+        names
+            Parameters and quantities.
+        mode, lci
+            Mode pair and LCI threshold; needed only where the file holds several and a
+            quantity depends on them.
+        tolerance
+            Relative tolerance.
+
+        Raises
+        ------
+        InputError
+            If a name is an error companion, which belongs to the file alone, or a mode
+            pair or threshold must be chosen.
+        """
+        mechanism = atlas.mechanism
+        arrays = {array.name: array for array in mechanism.result_arrays(atlas.settings)}
+        used: set[str] = set()
+        for name in names:
+            if name in arrays:
+                if arrays[name].is_error:
+                    allowed = (
+                        "a quantity or parameter where exact values are needed: error "
+                        "estimates belong to the file"
+                    )
+                    raise InputError("quantity", name, allowed)
+                used.update(arrays[name].quantity.dimensions)
+        modes, thresholds = atlas.modes[:1], tuple[float, ...]()
+        if MODE in used:
+            modes = (atlas.modes[atlas.mode_index(mode)],)
+        if THRESHOLD in used:
+            thresholds = (atlas.lci_thresholds[atlas.lci_index(lci)],)
+        settings = dataclasses.replace(
+            atlas.settings, modes=modes, lci_thresholds=thresholds, tolerance=tolerance
+        )
+        polygon = DesignPolygon.of_space(mechanism, settings.space)
+        return cls(mechanism, settings, tuple(dict.fromkeys(names)), polygon)
+
+    def designs(self, points: FloatArray) -> FloatArray:
+        """Return the designs at points of the chart, shape (n, 2)."""
+        return self.mechanism.unproject(self.polygon.clip(points))
+
+    def values(self, points: FloatArray) -> FloatArray:
+        """Return values at points of the chart, shape (names, n)."""
+        return self.values_and_errors(self.designs(points))[0]
+
+    def values_and_errors(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return values of designs and their error estimates, each of shape (names, n).
+
+        The error of a parameter is 0, that of a quantity without an estimate NaN.
+        """
+        columns = [parameter.name for parameter in self.mechanism.parameters]
+        values = np.empty((len(self.names), len(designs)))
+        errors = np.zeros_like(values)
+        if all(name in columns for name in self.names):
+            values[:] = designs[:, [columns.index(name) for name in self.names]].T
+            return values, errors
+        results = self.mechanism.evaluate(designs, self.settings)
+        for row, name in enumerate(self.names):
+            if name in columns:
+                values[row] = designs[:, columns.index(name)]
+                continue
+            quantity = self.mechanism.quantity(name)
+            values[row] = np.reshape(results[name], len(designs))
+            errors[row] = np.nan
+            if quantity.has_error:
+                errors[row] = np.reshape(results[quantity.error_name], len(designs))
+        return values, errors
+
+    def gradients(self, points: FloatArray, values: FloatArray) -> FloatArray:
+        """Return gradients in the chart by differences of the second order.
+
+        Parameters
+        ----------
+        points
+            Points of the design space, shape (n, 2).
+        values
+            The values there, shape (names, n).
+
+        Returns
+        -------
+        ndarray
+            Shape (names, n, 2); near the border from one side.
+        """
+        stencils = [self.polygon.directions(point, STEP) for point in points]
+        directions = np.array([each for each, _ in stencils]).reshape(-1, 2, 2)
+        central = np.array([each for _, each in stencils]).reshape(-1, 2)
+        second = np.where(central, -STEP, 2.0 * STEP)[..., np.newaxis]
+        places = np.stack(
+            [
+                points[:, np.newaxis, :] + STEP * directions,
+                points[:, np.newaxis, :] + second * directions,
+            ],
+            axis=2,
+        )
+        around = self.values(places.reshape(-1, 2)).reshape(len(self.names), -1, 2, 2)
+        one, other, here = around[..., 0], around[..., 1], values[..., np.newaxis]
+        slopes = np.where(central, one - other, 4.0 * one - 3.0 * here - other) / (2.0 * STEP)
+        # slope = direction . gradient, for two directions
+        return np.linalg.solve(directions, slopes[..., np.newaxis])[..., 0]

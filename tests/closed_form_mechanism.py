@@ -1,0 +1,56 @@
+"""The five-bar's design space with quantities in closed form, for what exact values lead to.
+
+``usable_workspace_area`` and ``gci`` are those of ``closed_form_atlas``, at every design and
+not only in a file; ``max_lci`` has a kink. Everything else is zero.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import closed_form_atlas
+import numpy as np
+import numpy.typing as npt
+
+from fivebar_atlas import mechanisms
+from fivebar_atlas.mechanisms.base import FloatArray, SweepSettings
+from fivebar_atlas.mechanisms.five_bar.mechanism import FiveBarMechanism
+from fivebar_atlas.store import AtlasWriter
+
+
+def kink(designs: FloatArray) -> FloatArray:
+    """Return a pyramid with its top at r1 = 1.217, r3 = 0.1234."""
+    r1, _, r3 = designs.T
+    return 1.0 - np.abs(r1 - 1.217) - 2.0 * np.abs(r3 - 0.1234)
+
+
+class ClosedFormMechanism(FiveBarMechanism):
+    """A five-bar whose quantities are simple functions."""
+
+    name = "closed-form"
+
+    def evaluate(
+        self, parameters: FloatArray, settings: SweepSettings
+    ) -> dict[str, npt.NDArray[Any]]:
+        """Return closed forms in every mode pair."""
+        results: dict[str, npt.NDArray[Any]] = {
+            array.name: np.zeros((len(parameters), *array.lengths), dtype=array.dtype)
+            for array in self.result_arrays(settings)
+        }
+        results["usable_workspace_area"][:] = closed_form_atlas.area(parameters)[:, np.newaxis]
+        results["gci"][:] = closed_form_atlas.conditioning(parameters)[:, np.newaxis]
+        results["max_lci"][:] = kink(parameters)[:, np.newaxis]
+        results["gci_error"][:] = settings.tolerance
+        return results
+
+
+def write(path: Path, name: str = "closed-form", resolution: int = 60) -> Path:
+    """Write a result file of a mechanism, this or another, which must be registered."""
+    settings = SweepSettings(name, "surrounded", resolution, ("+-/up",), (0.5,), 1e-6)
+    mechanism = mechanisms.get(name)
+    designs = mechanism.lattice(settings.space, resolution)
+    with AtlasWriter(path, settings, designs, [(0, len(designs))]) as writer:
+        writer.add(0, mechanism.evaluate(designs, settings))
+        writer.assemble()
+    return path
