@@ -15,6 +15,8 @@ import matplotlib as mpl
 from matplotlib import patheffects
 from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
 
+from fivebar_atlas.curve_colours import CURVE_COLOURS
+
 #: Width of a journal column, and the narrowest and widest figure, in millimetres.
 COLUMN_WIDTH = 85.0
 WIDTH_RANGE = (60.0, 400.0)
@@ -38,19 +40,20 @@ LEVEL_WIDTH = 0.45
 INK = "#111111"
 MISSING = "#e4e4e4"
 MISSING_HATCH = "#9a9a9a"
-REGION = "#d0006f"
+REGION = CURVE_COLOURS["level"]
 WORKSPACE = "#dce9f2"
 GOOD_CONDITION = "#7fb2d3"
 FAINT = "#8c8c8c"
 
 CURVE_WIDTH = 1.0
 
-# Colours that the colour-blind tell apart (Okabe and Ito), dashes that print in grey.
+_DASHES: dict[str, Any] = {
+    "parallel, folded": (0.0, (4.0, 1.4)),
+    "parallel, extended": (0.0, (6.0, 1.4, 1.2, 1.4)),
+}
 _CURVES: dict[str, dict[str, Any]] = {
-    "serial": {"color": "#0072b2", "linestyle": "solid"},
-    "parallel, folded": {"color": "#d55e00", "linestyle": (0.0, (4.0, 1.4))},
-    "parallel, extended": {"color": "#007a5a", "linestyle": (0.0, (6.0, 1.4, 1.2, 1.4))},
-    "level": {"color": REGION, "linestyle": "solid"},
+    kind: {"color": colour, "linestyle": _DASHES.get(kind, "solid")}
+    for kind, colour in CURVE_COLOURS.items()
 }
 
 _SETTINGS: dict[str, Any] = {

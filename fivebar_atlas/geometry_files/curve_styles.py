@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import re
 
+from fivebar_atlas.curve_colours import CURVE_COLOURS
+
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class CurveStyle:
@@ -28,12 +30,15 @@ class CurveStyle:
     line_type: str = "CONTINUOUS"
 
 
-# Colours that the colour-blind tell apart, those of the figures; patterns that print in grey.
+_COLOUR_INDICES = {"serial": 150, "parallel, folded": 30, "parallel, extended": 92, "level": 6}
+# Patterns that print in grey.
+_DASHES = {
+    "parallel, folded": ((10.0, 5.0), "DASHED"),
+    "parallel, extended": ((12.0, 4.0, 2.0, 4.0), "DASHDOT2"),
+}
 _STYLES = {
-    "serial": CurveStyle("#0072b2", 150),
-    "parallel, folded": CurveStyle("#d55e00", 30, (10.0, 5.0), "DASHED"),
-    "parallel, extended": CurveStyle("#007a5a", 92, (12.0, 4.0, 2.0, 4.0), "DASHDOT2"),
-    "level": CurveStyle("#d0006f", 6),
+    kind: CurveStyle(colour, _COLOUR_INDICES[kind], *_DASHES.get(kind, ()))
+    for kind, colour in CURVE_COLOURS.items()
 }
 _OTHER = CurveStyle("#000000", 7)
 

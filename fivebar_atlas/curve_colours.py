@@ -1,0 +1,15 @@
+"""One colour for each kind of curve, in figures and in files for CAD programs alike.
+
+Colours that the colour-blind tell apart (after Okabe and Ito); dashes, which print in grey,
+are set where they are drawn.
+"""
+
+from __future__ import annotations
+
+#: Colours as ``"#rrggbb"`` by the kind of :class:`planar_geometry.NamedArc`.
+CURVE_COLOURS = {
+    "serial": "#0072b2",
+    "parallel, folded": "#d55e00",
+    "parallel, extended": "#007a5a",
+    "level": "#d0006f",
+}
