@@ -66,6 +66,12 @@ def test_designs_come_back_from_the_chart() -> None:
     back = design_space.unproject(design_space.project(designs))
     assert np.abs(back - designs).max() < 4e-15
     assert back[0, 2] == 0.0
+    lattice = design_space.lattice("surrounded", 90)
+    back = design_space.unproject(design_space.project(lattice))
+    assert np.abs(back - lattice).max() < 4e-15
+    for first, second in ((0, 2), (1, 2)):
+        touching = np.abs(lattice[:, first] - lattice[:, second]) < 1e-9
+        assert np.array_equal(back[touching, first], back[touching, second])
 
 
 def test_the_design_space_is_a_polygon_with_named_sides() -> None:

@@ -32,6 +32,8 @@ _ITERATIONS = 12
 _AT_BOUND = 1e-11
 # Singular values below this share of the largest belong to directions that stay as they are.
 _DEPENDENT = 1e-3
+# A relative change per unit of the chart below this one is none.
+_FLAT = 1e-6
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -304,8 +306,9 @@ def _step(
     if len(normals):
         along = np.array([-normals[0, 1], normals[0, 0]])
         slopes = matrix @ along
-        # Bounds that do not change along the side hold there, or cannot be met.
-        used = np.abs(slopes) > _DEPENDENT * np.linalg.norm(matrix, axis=1)
+        # Bounds that do not change along the side hold there, or cannot be met. What happens
+        # across it does not count: on some borders values jump.
+        used = np.abs(slopes) > _FLAT
         if not used.any():
             return np.zeros(2)
         share = float(slopes[used] @ wanted[used]) / float(slopes[used] @ slopes[used])

@@ -313,13 +313,18 @@ def unproject(points: FloatArray) -> FloatArray:
     Returns
     -------
     ndarray
-        Designs (r1, r2, r3) with sum 3, shape (..., 3); a length that is zero but for
-        rounding is zero.
+        Designs (r1, r2, r3) with sum 3, shape (..., 3). A length that is zero but for
+        rounding is zero, and one that equals r3 but for rounding is r3: what lies on a
+        border, where some workspaces are others than beside it, stays there.
     """
-    r3 = points[..., 1]
+    slack = 3.0 * BORDER_SLACK
+    r3 = np.where(np.abs(points[..., 1]) <= slack, 0.0, points[..., 1])
     r1 = (_SQRT3 * points[..., 0] - r3) / 2.0
-    designs = np.stack([r1, 3.0 - r1 - r3, r3], axis=-1)
-    return np.where(np.abs(designs) <= 3.0 * BORDER_SLACK, 0.0, designs)
+    r1 = np.where(np.abs(r1) <= slack, 0.0, np.where(np.abs(r1 - r3) <= slack, r3, r1))
+    r2 = 3.0 - r1 - r3
+    r2 = np.where(np.abs(r2) <= slack, 0.0, r2)
+    on_right = np.abs(r2 - r3) <= slack
+    return np.stack([np.where(on_right, 3.0 - 2.0 * r3, r1), np.where(on_right, r3, r2), r3], -1)
 
 
 def chart(space: str) -> DesignChart:
