@@ -25,6 +25,7 @@ _COMMANDS = {
     "plot": "Draw a figure from an atlas.",
     "evaluate": "Evaluate one design.",
     "optimum": "Find the region where conditions hold, and the best designs in it.",
+    "lookup": "Look up one machine in an atlas.",
     "animate": "Show a linkage that follows a path.",
     "path": "Tell whether a linkage can follow a path.",
     "info": "Say what is in a result file and how it was made.",
