@@ -92,6 +92,10 @@ class InfeasiblePathError(AtlasError):
     """A path that a linkage cannot follow in one mode pair."""
 
 
+class InfeasibleSizeError(AtlasError):
+    """A practical workspace that no size of a machine has, or none within its limits."""
+
+
 class FileError(AtlasError):
     """A file cannot be read, is not what it should be, or cannot be written.
 

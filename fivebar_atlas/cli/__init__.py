@@ -24,6 +24,7 @@ _COMMANDS = {
     "sweep": "Compute an atlas: every design of a design space.",
     "plot": "Draw a figure from an atlas.",
     "evaluate": "Evaluate one design.",
+    "size": "Size a machine for a practical workspace.",
     "optimum": "Find the region where conditions hold, and the best designs in it.",
     "lookup": "Look up one machine in an atlas.",
     "animate": "Show a linkage that follows a path.",

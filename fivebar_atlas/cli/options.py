@@ -148,11 +148,16 @@ def planar_design(
 
     if non_dimensional and unit:
         raise click.UsageError("--unit and --non-dimensional exclude each other")
+    check_unit(unit)
+    chosen = mechanisms.get(mechanism or mechanisms.names()[0])
+    return chosen.planar_design(lengths, "" if non_dimensional else unit)
+
+
+def check_unit(unit: str | None) -> None:
+    """Raise InputError unless a unit, if one is given, has a name that can be printed."""
     if unit is not None and not (unit.isprintable() and 0 < len(unit.strip()) <= _LONGEST_UNIT):
         allowed = f"the name of a unit, of 1 to {_LONGEST_UNIT} printable characters"
         raise InputError("--unit", unit, allowed)
-    chosen = mechanisms.get(mechanism or mechanisms.names()[0])
-    return chosen.planar_design(lengths, "" if non_dimensional else unit)
 
 
 def mode_pair(design: PlanarDesign, mode: str | None) -> str:

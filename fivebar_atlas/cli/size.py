@@ -1,0 +1,346 @@
+"""``atlas size``: from a non-dimensional design and a practical workspace to a machine."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from fivebar_atlas.cli import options
+from fivebar_atlas.cli.progress import note_compilation
+from fivebar_atlas.errors import InputError
+
+if TYPE_CHECKING:
+    from fivebar_atlas.planar_geometry import Point
+    from fivebar_atlas.synthesis.shapes import Shape
+    from fivebar_atlas.synthesis.sizing import Machine
+
+_DEFAULT_LCI, _DEFAULT_UNIT = 0.5, "mm"
+_NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_LENGTH = re.compile(rf"\s*({_NUMBER})\s*([^\W\d_]*)\s*")
+_AREA = re.compile(rf"\s*({_NUMBER})\s*(?:([^\W\d_]+)(?:\^?2|²))?\s*")
+_SIDES = re.compile(rf"\s*({_NUMBER})\s*([^\W\d_]*?)\s*[x×X]\s*({_NUMBER})\s*([^\W\d_]*)\s*")
+_LABEL_WIDTH = 32
+_SHAPES = ("--area", "--rectangle", "--circle", "--polygon")
+# A coordinate that is nothing but rounding, as a share of D.
+_ROUNDING = 1e-9
+
+
+class _Units:
+    """The one unit of everything given, which any of it may name."""
+
+    def __init__(self, unit: str | None) -> None:
+        self._unit, self._source = unit, "--unit"
+
+    @property
+    def unit(self) -> str:
+        return self._unit or _DEFAULT_UNIT
+
+    def note(self, option: str, text: str, unit: str | None) -> None:
+        """Take note of a unit, if there is one."""
+        if unit and self._unit and unit != self._unit:
+            allowed = f"one unit for all lengths, and {self._source} says {self._unit}"
+            raise InputError(option, text, allowed)
+        if unit and not self._unit:
+            self._unit, self._source = unit, option
+
+
+@click.command(context_settings=options.NEGATIVE_NUMBERS)
+@options.lengths_argument
+@options.mechanism_option
+@options.one_mode_option
+@click.option(
+    "--lci",
+    type=float,
+    metavar="VALUE",
+    help=f"LCI threshold, above 0 and below 1; {_DEFAULT_LCI:g} if not given.",
+)
+@click.option("--area", metavar="AREA", help="Area of the good-condition workspace.")
+@click.option("--rectangle", metavar="WxH", help="Rectangle with sides parallel to the axes.")
+@click.option("--circle", metavar="DIAMETER", help="Circle.")
+@click.option(
+    "--polygon", metavar="FILE", help="Polygon: a CSV table of corners, or WKT; no holes."
+)
+@click.option("--clearance", metavar="C", help="Distance kept around the shape.")
+@click.option("--free", is_flag=True, help="Place the shape anywhere, not on the y axis only.")
+@click.option(
+    "--offset", nargs=2, type=float, metavar="X Y", help="Place its centre there, in lengths."
+)
+@click.option(
+    "--unit", metavar="UNIT", help=f"Unit of all lengths; {_DEFAULT_UNIT} if none is named."
+)
+@click.option(
+    "--encoder-resolution",
+    type=float,
+    metavar="DEG",
+    help="Error of the encoders, either way, in degrees: reports the worst positioning error.",
+)
+@click.option(
+    "--force",
+    type=float,
+    metavar="N",
+    help="Force on the output point in newtons: reports the worst joint torque.",
+)
+@click.option(
+    "--actuator-range",
+    "actuator_ranges",
+    nargs=3,
+    type=(int, float, float),
+    multiple=True,
+    metavar="I MIN MAX",
+    help="Range of θI in degrees; repeatable.",
+)
+@click.option(
+    "--link-range",
+    "link_ranges",
+    nargs=3,
+    type=(str, float, float),
+    multiple=True,
+    metavar="NAME MIN MAX",
+    help="Limits of a length, such as R2 100 250; repeatable; 'inf' is no limit.",
+)
+@options.json_option
+@click.option(
+    "-o", "--output", metavar="FILE.json", type=click.Path(path_type=Path), help="Write the JSON."
+)
+@options.overwrite_option
+def size(
+    lengths: list[float],
+    mechanism: str | None,
+    mode: str | None,
+    lci: float | None,
+    area: str | None,
+    rectangle: str | None,
+    circle: str | None,
+    polygon: str | None,
+    clearance: str | None,
+    free: bool,
+    offset: tuple[float, float] | None,
+    unit: str | None,
+    encoder_resolution: float | None,
+    force: float | None,
+    actuator_ranges: tuple[tuple[int, float, float], ...],
+    link_ranges: tuple[tuple[str, float, float], ...],
+    as_json: bool,
+    output: Path | None,
+    overwrite: bool,
+) -> None:
+    """Size a machine for a practical workspace in which the LCI is nowhere too low.
+
+    R1 R2 R3 give a design by its proportions. One of --area, --rectangle, --circle and
+    --polygon says what the machine is for; reported are the smallest machine, where the shape
+    lies in it, and what inputs, errors and torques come to over the whole of it. Lengths may
+    name their unit ("300x200mm"), which then is that of all.
+
+    Exit codes: 0 done, 1 no size is possible, 2 wrong usage or wrong input.
+    """
+    from fivebar_atlas import mechanisms
+    from fivebar_atlas.output_file import atomic_output, check_output
+    from fivebar_atlas.synthesis.containment import ActuatorRange
+    from fivebar_atlas.synthesis.placement import FREE, ON_AXIS
+    from fivebar_atlas.synthesis.sizing import LinkLimit, size_for_area, size_for_shape
+
+    if output is not None:
+        check_output(output, overwrite)
+    given = [
+        name
+        for name, text in zip(_SHAPES, (area, rectangle, circle, polygon), strict=True)
+        if text is not None
+    ]
+    if len(given) != 1:
+        raise click.UsageError(f"give one of {', '.join(_SHAPES)}, not {len(given)} of them")
+    if free and offset:
+        raise click.UsageError("--free and --offset exclude each other")
+    if area is not None and (free or offset or clearance is not None):
+        raise click.UsageError("--free, --offset and --clearance go with a shape, not with --area")
+    for name, value in (("--encoder-resolution", encoder_resolution), ("--force", force)):
+        if value is not None and not (math.isfinite(value) and value > 0.0):
+            raise InputError(name, value, "a finite number above 0")
+    chosen = mechanisms.get(mechanism or mechanisms.names()[0])
+    options.check_unit(unit)
+    design = chosen.planar_design(lengths, "")
+    pair = options.mode_pair(design, mode)
+    threshold = _DEFAULT_LCI if lci is None else lci
+    chosen.check_thresholds([threshold], "--lci")
+    ranges = [
+        ActuatorRange(number, math.radians(least), math.radians(greatest))
+        for number, least, greatest in actuator_ranges
+    ]
+    limits = [LinkLimit(*limit) for limit in link_ranges]
+    units = _Units(unit)
+    if area is not None:
+        squares = _area(area, units)
+        note_compilation()
+        machine = size_for_area(
+            design, squares, pair, threshold, unit=units.unit, ranges=ranges, limits=limits
+        )
+    else:
+        shape = _shape(rectangle, circle, polygon, clearance, units)
+        note_compilation()
+        machine = size_for_shape(
+            design,
+            shape,
+            pair,
+            threshold,
+            unit=units.unit,
+            placement=offset or (FREE if free else ON_AXIS),
+            ranges=ranges,
+            limits=limits,
+        )
+    resolution = None if encoder_resolution is None else math.radians(encoder_resolution)
+    if as_json or output is not None:
+        text = json.dumps(machine.document(resolution, force), indent=2, allow_nan=False)
+    if output is not None:
+        with atomic_output(output, overwrite) as temporary:
+            temporary.write_text(text + "\n", encoding="utf-8")
+    if as_json:
+        click.echo(text)
+    else:
+        click.echo("\n".join(_lines(machine, resolution, force, area)))
+
+
+def _shape(
+    rectangle: str | None,
+    circle: str | None,
+    polygon: str | None,
+    clearance: str | None,
+    units: _Units,
+) -> Shape:
+    """Return the shape that is asked for."""
+    from fivebar_atlas.synthesis.shapes import Shape, read_polygon
+
+    gap = 0.0
+    if clearance is not None:
+        gap = _length("--clearance", clearance, units)
+        if not gap >= 0.0:
+            raise InputError("--clearance", clearance, "a length of 0 or more")
+    if rectangle is not None:
+        sides = _SIDES.fullmatch(rectangle)
+        allowed = "two lengths above 0 such as 300x200 or 300x200mm"
+        if sides is None:
+            raise InputError("--rectangle", rectangle, allowed)
+        width, width_unit, height, height_unit = sides.groups()
+        units.note("--rectangle", rectangle, width_unit)
+        units.note("--rectangle", rectangle, height_unit)
+        if not (0.0 < float(width) < math.inf and 0.0 < float(height) < math.inf):
+            raise InputError("--rectangle", rectangle, allowed)
+        return Shape.rectangle(float(width), float(height), gap)
+    if circle is not None:
+        diameter = _length("--circle", circle, units)
+        if not diameter > 0.0:
+            raise InputError("--circle", circle, "a diameter above 0")
+        return Shape.circle(diameter, gap)
+    assert polygon is not None
+    return read_polygon(polygon, units.unit, gap)
+
+
+def _length(option: str, text: str, units: _Units) -> float:
+    """Return a length, and take note of its unit."""
+    found = _LENGTH.fullmatch(text)
+    if found is None or not math.isfinite(float(found[1])):
+        raise InputError(option, text, "a length such as 20 or 20mm")
+    units.note(option, text, found[2])
+    return float(found[1])
+
+
+def _area(text: str, units: _Units) -> float:
+    """Return an area, and take note of the unit that it is in squares of."""
+    found = _AREA.fullmatch(text)
+    if found is None or not 0.0 < float(found[1]) < math.inf:
+        raise InputError("--area", text, "an area above 0 such as 400 or 400mm2")
+    units.note("--area", text, found[2])
+    return float(found[1])
+
+
+def _lines(
+    machine: Machine, resolution: float | None, force: float | None, area: str | None
+) -> Iterator[str]:
+    """Yield the lines of a readable report."""
+    from fivebar_atlas import mechanisms
+    from fivebar_atlas.synthesis.containment import INSIDE
+
+    unit, good = machine.unit, machine.good
+    mechanism = mechanisms.get(good.design.mechanism)
+    _, results = machine.evaluation
+    yield mechanism.title
+    design = ", ".join(
+        f"{name.lower()} = {length / machine.factor:.8g}"
+        for name, length in machine.lengths.items()
+    )
+    yield f"{design}; {'; '.join(good.design.remarks())}"
+    yield f"{good.mode}; LCI at least {good.lci_threshold:g}"
+    yield ""
+    yield _line(
+        "dimensional factor D", f"{machine.factor:.10g} {unit}", f"± {machine.factor_error:.0e}"
+    )
+    for name, length in machine.lengths.items():
+        yield _line(name, f"{length:.10g} {unit}")
+    parts = "" if machine.parts == 1 else f" (the largest of its {machine.parts} parts)"
+    if machine.shape is not None and machine.fit is not None and machine.position is not None:
+        clear = (
+            f" and {machine.shape.clearance:g} {unit} around it" if machine.shape.clearance else ""
+        )
+        yield _line("practical workspace", f"{machine.shape.name} {unit}{clear}")
+        yield _line("centre", _place(machine, machine.position))
+        proof = machine.fit.proof
+        shown = f"proved with {proof.squares} squares" if proof.verdict == INSIDE else "not proved"
+        yield _line("containment", shown)
+        for contact in machine.contacts:
+            yield _line("contact", _place(machine, contact))
+    else:
+        yield _line("practical workspace", f"good-condition workspace{parts} of {area} {unit}²")
+    yield ""
+    for quantity in mechanism.quantities:
+        if quantity.flags is not None or len(quantity.dimensions) < 2:
+            continue
+        value = float(results[quantity.name].ravel()[0])
+        if not math.isfinite(value):
+            continue
+        power = quantity.length_power
+        suffix = {0: "", 1: f" {unit}", 2: f" {unit}²"}.get(power, f" {unit}^{power}")
+        yield _line(quantity.name, f"{machine.factor**power * value + 0.0:.8g}{suffix}")
+    yield ""
+    for each in machine.input_ranges:
+        if each.is_full_turn:
+            yield _line(f"θ{each.number}", "0 to 360 deg, full turns")
+            continue
+        assert each.at_least is not None
+        assert each.at_greatest is not None
+        least, greatest = math.degrees(each.least), math.degrees(each.greatest)
+        yield _line(f"θ{each.number}", f"{least:.4f} to {greatest:.4f} deg")
+        yield _line(
+            "", f"at {_place(machine, each.at_least)} and {_place(machine, each.at_greatest)}"
+        )
+    if resolution is not None:
+        error = machine.positioning_error(resolution)
+        at = _place(machine, error.position)
+        yield _line("positioning error", f"{error.value:.6g} {unit} at most, at {at}")
+        yield _line("", f"for encoders that are off by ±{math.degrees(resolution):g} deg each")
+    if force is not None:
+        torque = machine.joint_torque(force)
+        at = _place(machine, torque.position)
+        yield _line("joint torque", f"{torque.value:.6g} N {unit} at most, at {at}")
+        yield _line("", f"for {force:g} N in any direction, without weight and friction")
+    yield ""
+    lengths = " ".join(f"{length:.10g}" for length in machine.lengths.values())
+    names = (
+        f"--mode {shlex.quote(good.mode)} --lci {good.lci_threshold:g} --unit {shlex.quote(unit)}"
+    )
+    yield f"Its LCI map: atlas plot lci {lengths} {names} -o lci.pdf"
+
+
+def _line(label: str, value: str, more: str = "") -> str:
+    """Return a line of the report."""
+    return f"{label:{_LABEL_WIDTH}}{value}{'  ' + more if more else ''}".rstrip()
+
+
+def _place(machine: Machine, point: Point) -> str:
+    """Return coordinates; what is nothing but rounding is 0."""
+    x, y = (0.0 if abs(part) < _ROUNDING * machine.factor else part for part in point)
+    return f"({x:.6g}, {y:.6g}) {machine.unit}"
