@@ -406,7 +406,8 @@ def contains(
         for strip in range(strips):
             if d.strip_lower[strip] == ORIGIN:
                 around += d.strip_to[strip] - d.strip_from[strip]
-        return around > d.turn[0] - LEAST_SECTOR * MAX_CRITICAL
+        least = d.turn[0] - LEAST_SECTOR * MAX_CRITICAL
+        return bool(around > least)
     c, s = math.cos(phi), math.sin(phi)
     for strip in range(strips):
         if (
