@@ -16,6 +16,7 @@ from fivebar_atlas.figures import style
 from fivebar_atlas.figures.category_map import category_map, magnitude_map
 from fivebar_atlas.figures.charted_designs import ChartedDesigns
 from fivebar_atlas.figures.contour_map import contour_map
+from fivebar_atlas.figures.pareto_figure import pareto_designs_figure, pareto_figure
 from fivebar_atlas.figures.region_map import Layer, region_map
 from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Flags, Quantity, ResultArray
 from fivebar_atlas.store import Atlas
@@ -156,6 +157,91 @@ def region_figure(
         missing=reasons[0],
         width=width,
     )
+
+
+def front_figure(
+    atlas: Atlas,
+    names: tuple[str, str],
+    fulfilled: BoolArray,
+    front: FloatArray,
+    conditions: Sequence[tuple[str, str, float]],
+    region: Region | None,
+    mode: str | None = None,
+    lci: float | None = None,
+    *,
+    in_design_space: bool = False,
+    width: float = style.COLUMN_WIDTH,
+) -> Figure:
+    """Draw the Pareto front of two quantities, over their values or in the design space.
+
+    Parameters
+    ----------
+    atlas
+        The open result file.
+    names
+        The two quantities or parameters.
+    fulfilled
+        Which designs fulfil the conditions, shape (designs,).
+    front
+        The members, the first quantity rising, shape (2, members): both quantities, or in
+        the design space their chart coordinates.
+    conditions
+        The conditions: name, operator, number.
+    region
+        Where they hold, in chart coordinates; None without conditions.
+    mode, lci
+        Mode pair and LCI threshold, as in :func:`quantity_figure`.
+    in_design_space
+        Whether to draw the design space.
+    width
+        Width of the figure in millimetres.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such quantity or mode pair.
+    InputError
+        If the mode pair or the threshold is not stored or must be chosen, or the width is
+        out of range.
+    FileError
+        If the file is damaged.
+    """
+    texts = [condition_text(atlas, *condition) for condition in conditions]
+    title = ", ".join(["Pareto front", *_chosen_parts(atlas, names, mode, lci)])
+    if in_design_space:
+        first, second = (_symbol(atlas, name) for name in names)
+        return pareto_designs_figure(
+            charted_designs(atlas), region, front.T, (first, second), texts, title, width=width
+        )
+    values = np.array([atlas.select(name, mode, lci) for name in names])
+    labels = (_label(atlas, names[0]), _label(atlas, names[1]))
+    return pareto_figure(values, fulfilled, front, labels, texts, title, width=width)
+
+
+def _chosen_parts(
+    atlas: Atlas, names: Sequence[str], mode: str | None, lci: float | None
+) -> list[str]:
+    """Return mode pair and threshold as a title gives them, as far as quantities need them."""
+    arrays = {array.name: array for array in atlas.mechanism.result_arrays(atlas.settings)}
+    used = {axis for name in names if name in arrays for axis in arrays[name].quantity.dimensions}
+    parts = [_mode_part(atlas, mode)] if MODE in used else []
+    return [*parts, _threshold_part(atlas, lci)] if THRESHOLD in used else parts
+
+
+def _label(atlas: Atlas, name: str) -> str:
+    """Return name, symbol and unit of a parameter or quantity."""
+    for parameter in atlas.mechanism.parameters:
+        if parameter.name == name:
+            unit = "" if parameter.unit == "1" else f" ({parameter.unit})"
+            return f"{parameter.long_name} {parameter.symbol}{unit}"
+    return label_of(stored_array(atlas, name))
+
+
+def _symbol(atlas: Atlas, name: str) -> str:
+    for parameter in atlas.mechanism.parameters:
+        if parameter.name == name:
+            return parameter.symbol
+    return stored_array(atlas, name).quantity.symbol
 
 
 def charted_designs(atlas: Atlas) -> ChartedDesigns:

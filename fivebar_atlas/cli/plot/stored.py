@@ -172,3 +172,76 @@ def region(
     click.echo(f"{together}: {100.0 * found.share:.3g} % of the design space")
     for parameter, least, greatest in zip(parameters, found.least, found.greatest, strict=True):
         click.echo(f"{parameter.name} from {least:.4f} to {greatest:.4f}")
+
+
+@plot.command("pareto")
+@click.option(
+    "--pareto",
+    "quantities",
+    required=True,
+    metavar="A,B",
+    help="Two quantities, such as 'usable_workspace_area,gci'; '-r3' or 'r3:min' for less.",
+)
+@click.option(
+    "--where", "wheres", multiple=True, metavar="CONDITION", help="A condition; repeatable."
+)
+@click.option("--polish", is_flag=True, help="Move the members onto the true front.")
+@click.option("--designs", is_flag=True, help="Draw where the members lie in the design space.")
+@file_options
+@figure_options
+def pareto(
+    quantities: str,
+    wheres: tuple[str, ...],
+    polish: bool,
+    designs: bool,
+    file: str,
+    mode: str | None,
+    lci: float | None,
+    output: Path,
+    width: float,
+    overwrite: bool,
+) -> None:
+    """Draw the Pareto front of two quantities over the values of all designs.
+
+    With --designs, where its members lie in the design space.
+    """
+    from fivebar_atlas.figures.atlas_figures import front_figure
+    from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.store import open_atlas
+    from fivebar_atlas.synthesis.candidates import Candidates
+    from fivebar_atlas.synthesis.conditions import (
+        check_contradictions,
+        condition_names,
+        parse_condition,
+    )
+    from fivebar_atlas.synthesis.objectives import parse_directions
+    from fivebar_atlas.synthesis.pareto import pareto_front, polished_front
+
+    check_figure_output(output, overwrite)
+    conditions = [parse_condition(where) for where in wheres]
+    check_contradictions(conditions)
+    with open_atlas(file) as atlas, asked_to_choose():
+        directions = parse_directions(quantities, condition_names(atlas), "--pareto")
+        if len(directions) != 2:
+            raise InputError("--pareto", quantities, "two quantities, the axes of the figure")
+        candidates = Candidates(atlas, conditions, mode, lci)
+        front = pareto_front(candidates, directions)
+        if polish:
+            front = polished_front(candidates, front)
+        # From left to right.
+        order = front.values[0].argsort(kind="stable")
+        members = atlas.mechanism.project(front.designs).T if designs else front.values
+        figure = front_figure(
+            atlas,
+            (directions[0][0], directions[1][0]),
+            candidates.fulfilled,
+            members[:, order],
+            [(each.quantity, each.operator, each.bound) for each in conditions],
+            candidates.region.region if conditions else None,
+            mode,
+            lci,
+            in_design_space=designs,
+            width=width,
+        )
+    save_figure(figure, output, overwrite)
+    click.echo(f"{len(front.designs)} of {front.candidates} designs are on the front")
