@@ -227,7 +227,7 @@ def _value_line(row: dict[str, Any], parameters: Sequence[str]) -> str:
 
 
 def _maximum_lines(maximum: dict[str, Any]) -> Iterator[str]:
-    yield _line("largest", maximum["objective"])
+    yield _line("maximised", maximum["objective"])
     if maximum["design"] is None:
         yield _line("", "not found: no design evaluated exactly fulfils the conditions")
         return
