@@ -105,7 +105,7 @@ def test_limits(atlas: Command, refused: Callable[..., str]) -> None:
     text = refused(*SMALL, "--circle", "100", "--link-range", "R1", "0", "50", code=1)
     assert "is above 50 mm; within them a workspace" in text
     text = refused(*SMALL, "--circle", "100", "--actuator-range", "1", "-20", "-10", code=1)
-    assert "no point on the y axis has θ1 from -20 to -10 deg" in text
+    assert "points on the y axis has θ1 from -20 to -10 deg; closest comes (0, " in text
 
 
 @pytest.mark.parametrize(

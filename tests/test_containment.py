@@ -7,6 +7,21 @@ import numpy as np
 from designs import random_cases, random_reachable_point
 
 from fivebar_atlas import FiveBar, planar_design
+from fivebar_atlas.synthesis.containment import (
+    INSIDE,
+    OUTSIDE,
+    UNDECIDED,
+    ActuatorRange,
+    GoodCondition,
+    prove,
+)
+from fivebar_atlas.synthesis.shapes import Shape
+
+# Its LCI is at least 0.5 between two circles around the origin.
+RING = GoodCondition(FiveBar(1.28, 1.72, 0.0), "+-/up", 0.5)
+INNER, OUTER = (
+    2.0 * 1.72 / np.sqrt(5.0) + side * np.sqrt(1.28**2 - 1.72**2 / 5.0) for side in (-1.0, 1.0)
+)
 
 
 def test_no_point_of_a_disc_is_worse_than_its_bound() -> None:
@@ -65,3 +80,59 @@ def test_a_machine_has_the_values_of_its_design_in_its_own_lengths() -> None:
     step = 1e-6
     rates = (machine.inputs(x + step, y, "+-") - machine.inputs(x - step, y, "+-")) / (2 * step)
     assert np.allclose(machine.jacobian(x, y, "+-")[:, :, 0], rates, rtol=1e-6)
+
+
+def test_a_circle_is_proved_to_fit_into_a_ring_and_not_when_larger() -> None:
+    width = OUTER - INNER
+    centre = (0.0, 0.5 * (INNER + OUTER))
+    for excess, verdict in ((-1e-8, INSIDE), (-1e-3, INSIDE), (1e-8, OUTSIDE), (1e-3, OUTSIDE)):
+        shape = Shape.circle(width)
+        proof = prove(RING, shape, centre, 1.0 + excess)
+        assert proof.verdict == verdict
+        assert (proof.witness is None) == (verdict == INSIDE)
+        if proof.witness is not None:
+            assert np.hypot(*proof.witness) <= 0.5 * width * (1.0 + 1e-12)
+            point = np.array(centre) + (1.0 + excess) * proof.witness
+            assert not INNER <= np.hypot(*point) <= OUTER
+    # where it touches neither can be shown
+    assert prove(RING, Shape.circle(width), centre, 1.0).verdict in (UNDECIDED, OUTSIDE)
+
+
+def test_a_hole_within_a_shape_is_found() -> None:
+    shape = Shape.circle(3.0)
+    assert np.all(RING.margins(shape.boundary(shape.boundary_samples(1000))) > 0.0)
+    proof = prove(RING, shape, (0.0, 0.0), 1.0)
+    assert proof.verdict == OUTSIDE
+    assert proof.witness is not None
+    assert np.hypot(*proof.witness) < INNER
+
+
+def test_the_other_side_of_a_singular_locus_is_not_inside() -> None:
+    # the same points are as good in the other assembly mode, which is another workspace
+    robot = FiveBar(1.2, 1.3, 0.5)
+    shape = Shape.circle(0.1)
+    y = robot.largest_lci("+-/up")[1][1]  # type: ignore[index]
+    assert prove(GoodCondition(robot, "+-/up", 0.5), shape, (0.0, y), 1.0).verdict == INSIDE
+    proof = prove(GoodCondition(robot, "+-/down", 0.5), shape, (0.0, y), 1.0)
+    assert proof.verdict == OUTSIDE
+
+
+def test_actuator_ranges_hold_throughout_a_shape() -> None:
+    robot, shape = FiveBar(1.2, 1.3, 0.5), Shape.rectangle(0.3, 0.2)
+    points = np.array([0.2, 1.5]) + shape.boundary(shape.boundary_samples(4000))
+    theta = naive.inverse_kinematics(1.2, 1.3, 0.5, *points.T, 1, -1)[0]
+    least, greatest = float(theta.min()), float(theta.max())
+    for room, verdict in ((1e-6, INSIDE), (-1e-6, OUTSIDE)):
+        ranges = (ActuatorRange(1, least - room, greatest + 1.0),)
+        good = GoodCondition(robot, "+-/up", 0.1, ranges)
+        assert prove(good, shape, (0.2, 1.5), 1.0).verdict == verdict
+        ranges = (ActuatorRange(1, least - 1.0, greatest + room),)
+        good = GoodCondition(robot, "+-/up", 0.1, ranges)
+        assert prove(good, shape, (0.2, 1.5), 1.0).verdict == verdict
+
+
+def test_margins_of_a_range_are_those_of_directions() -> None:
+    limit = ActuatorRange(1, np.radians(170.0), np.radians(200.0))
+    angles = np.radians([170.0, 180.0, -170.0, -160.0, 165.0, -150.0])
+    assert np.allclose(np.degrees(limit.margins(angles)), [0.0, 10.0, 10.0, 0.0, -5.0, -10.0])
+    assert not ActuatorRange(1, 0.0, 2.0 * np.pi).is_limiting

@@ -199,7 +199,14 @@ def test_what_is_infeasible_says_why_and_what_comes_closest() -> None:
     cases = [
         ({"limits": [LinkLimit("R2", 0.0, 500.0)]}, r"R2 = 522\.\d+ mm is above 500 mm; within"),
         ({"lci_threshold": 0.9999999}, "no size|fits at no"),
-        ({"ranges": [ActuatorRange(1, *degrees(-30.0, -20.0))]}, r"no point .* θ1 from -30 to"),
+        (
+            {"ranges": [ActuatorRange(1, *degrees(-30.0, -20.0))]},
+            r"none of \d+ points on the y axis has θ1 from -30 to",
+        ),
+        (
+            {"placement": "free", "ranges": [ActuatorRange(2, *degrees(-90.01, -90.0))]},
+            "fits at no size",
+        ),
         ({"placement": (0.0, 200.0)}, r"no size with its centre at \(0, 200\); closest comes D ="),
     ]
     for extra, message in cases:
@@ -231,6 +238,15 @@ def test_wrong_input_is_refused() -> None:
         ActuatorRange(1, *degrees(90.0, -90.0))
     with pytest.raises(InputError, match="actuator from 1 to 2"):
         size_for_shape(design, shape, "+-/up", ranges=[ActuatorRange(3, -1.0, 1.0)])
+    with pytest.raises(UnknownNameError, match=r"placement: 'ax' .* mean 'axis'"):
+        size_for_shape(design, shape, "+-/up", placement="ax")
+    with pytest.raises(InputError, match="offset"):
+        size_for_shape(design, shape, "+-/up", placement=(0.0, math.inf))
+    with pytest.raises(InputError, match="one range for each actuator"):
+        size_for_shape(design, shape, "+-/up", ranges=[ActuatorRange(1, -1.0, 1.0)] * 2)
+    flat, limits = planar_design(*PAPER, unit=""), [LinkLimit("R3", 1.0, 2.0)]
+    with pytest.raises(InputError, match="R3 is 0 at every size"):
+        size_for_shape(flat, shape, "+-/up", limits=limits)
     with pytest.raises(UnknownNameError, match="R4"):
         size_for_shape(design, shape, "+-/up", limits=[LinkLimit("R4", 0.0, 1.0)])
     with pytest.raises(InputError, match="not above the greatest"):

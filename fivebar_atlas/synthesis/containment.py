@@ -24,8 +24,8 @@ from fivebar_atlas.synthesis.shapes import Shape
 
 # Squares along the longer side of a shape to begin with.
 _FIRST_SQUARES = 24
-# What a proof may cost: squares of one size, and their least side as a share of the shape.
-_MOST_SQUARES, _LEAST_SIDE = 400_000, 1e-12
+# Least side of a square as a share of the shape, and squares that are looked at together.
+_LEAST_SIDE, _BLOCK = 1e-12, 100_000
 
 #: What a proof came to.
 INSIDE, OUTSIDE, UNDECIDED = "inside", "outside", "undecided"
@@ -157,7 +157,11 @@ class Proof:
 
 
 def prove(
-    good: GoodCondition, shape: Shape, position: Sequence[float] | FloatArray, scale: float
+    good: GoodCondition,
+    shape: Shape,
+    position: Sequence[float] | FloatArray,
+    scale: float,
+    most_squares: int = 400_000,
 ) -> Proof:
     """Tell whether all of a shape is good, proved but for rounding.
 
@@ -171,6 +175,8 @@ def prove(
         Where its centre is, in non-dimensional lengths.
     scale
         Non-dimensional length for the unit of the shape, 1/D.
+    most_squares
+        Squares of one size that it may take.
     """
     place = np.asarray(position, dtype=np.float64)
     lower, upper = shape.extent
@@ -186,18 +192,17 @@ def prove(
     count = 0
     while len(centres):
         count += len(centres)
-        if len(centres) > _MOST_SQUARES or half < _LEAST_SIDE * size:
+        if len(centres) > most_squares or half < _LEAST_SIDE * size:
             return Proof(UNDECIDED, count)
-        reach = math.sqrt(2.0) * half
-        # that every square is in reach of the shape follows from how it was made
-        open_ones = good.least_margins(place + scale * centres, scale * reach) < 0.0
-        centres = centres[open_ones]
-        gaps = shape.gaps(centres)
-        centres, gaps = centres[gaps <= reach], gaps[gaps <= reach]
-        inside = centres[gaps <= 0.0]
-        margins = good.margins(place + scale * inside)
-        if np.any(margins < 0.0):
-            return Proof(OUTSIDE, count, inside[int(np.argmin(margins))])
+        left = []
+        for start in range(0, len(centres), _BLOCK):
+            open_ones, witness = _open_squares(
+                good, shape, place, scale, centres[start : start + _BLOCK], half
+            )
+            if witness is not None:
+                return Proof(OUTSIDE, count, witness)
+            left.append(open_ones)
+        centres = np.concatenate(left)
         half *= 0.5
         quarters = half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
         centres = (centres[:, None] + quarters).reshape(-1, 2)
@@ -206,3 +211,23 @@ def prove(
     if good.design.lci_inside(inner[:, 0], inner[:, 1], good.mode)[0] > 0.0:
         return Proof(INSIDE, count)
     return Proof(OUTSIDE, count, shape.boundary(np.zeros(1))[0])
+
+
+def _open_squares(
+    good: GoodCondition,
+    shape: Shape,
+    place: FloatArray,
+    scale: float,
+    centres: FloatArray,
+    half: float,
+) -> tuple[FloatArray, FloatArray | None]:
+    """Return the centres of squares that are still to be cut, or a point that is not good."""
+    reach = math.sqrt(2.0) * half
+    centres = centres[good.least_margins(place + scale * centres, scale * reach) < 0.0]
+    gaps = shape.gaps(centres)
+    centres, gaps = centres[gaps <= reach], gaps[gaps <= reach]
+    inside = centres[gaps <= 0.0]
+    margins = good.margins(place + scale * inside)
+    if np.any(margins < 0.0):
+        return centres, inside[int(np.argmin(margins))]
+    return centres, None

@@ -36,14 +36,18 @@ ON_AXIS, FREE = "axis", "free"
 #: ten or forty times that in the rare case that the proof would take too long.
 ALLOWANCE = 1e-8
 
-# Positions along the axis, and along the longer side of a workspace.
-_AXIS_POSITIONS, _FREE_POSITIONS = 161, 33
-# Samples of a shape and of its scale in a scan of positions, and halvings that follow.
-_SCAN_BOUNDARY, _SCAN_INTERIOR, _SCAN_SCALES, _SCAN_HALVINGS = 64, 16, 24, 7
+# Allowances that are tried, and the squares of one size that their proofs may take.
+_PATIENCE = ((ALLOWANCE, 400_000), (10.0 * ALLOWANCE, 400_000), (40.0 * ALLOWANCE, 6_000_000))
+# Positions along the axis, and about so many in the plane.
+_AXIS_POSITIONS, _FREE_POSITIONS = 401, 1200
+# Samples of a shape in a scan of positions, ratio and number of scales, and halvings.
+_SCAN_BOUNDARY, _SCAN_INTERIOR, _SCAN_RATIO, _SCAN_SCALES, _SCAN_HALVINGS = 64, 16, 1.25, 30, 8
 # The same along the one line of scales that belongs to an offset.
 _OFFSET_SCALES = 2000
-# Positions of a scan that are improved, and rounds of it.
-_MOST_STARTS, _ROUNDS = 5, 14
+# Positions of a scan that are improved, how many steps they are apart, rounds of it.
+_AXIS_STARTS, _FREE_STARTS, _APART, _ROUNDS = 4, 10, 2.5, 14
+# A start that is worse than this share of the best one of a scan is not worth it.
+_WORTHWHILE = 0.8
 # How far positions move at first in such a round, how that gets less, and what is no gain.
 _FIRST_REACH, _SHORTENING, _LAST_REACH, _NO_GAIN = 0.05, 0.15, 1e-7, 1e-12
 _MOST_CONTACTS = 40
@@ -51,11 +55,12 @@ _MOST_CONTACTS = 40
 _BOUNDARY, _WORST, _ZOOM, _ZOOM_ROUNDS = 360, 10, 13, 8
 # A margin that is nothing but rounding, and what is a contact.
 _ROUNDING, _CONTACT = 2e-14, 0.05
-_CUTS, _MARCH, _HALVINGS = 60, 96, 52
+_CUTS, _MARCH, _HALVINGS = 80, 96, 52
 # Share of the largest scale that could be at which a shape is not worth a machine.
 _LEAST_SCALE = 1e-6
 _GRADIENT_STEP = 1e-6
 _PROOFS = 12
+_MOST_POSITIONS = 400_000
 # A margin at a contact; chords of polylines, which have none in between.
 _TOUCHING, _ANY_DEVIATION = 1e-6, 1.0
 
@@ -126,18 +131,18 @@ class _Search:
             return np.asarray(anchor + scales[..., None] * shape_points)
         return np.asarray(scales[..., None] * (shape_points + self.offset))
 
-    def scan(self, anchors: FloatArray, count: int, halvings: int) -> FloatArray:
-        """Return about the largest scale at every anchor, shape (n,); 0 where there is none."""
-        steps = self.limit * np.arange(1, count + 1) / count
+    def scan(self, anchors: FloatArray) -> FloatArray:
+        """Return about the largest scale at every anchor, shape (n,); 0 where it is tiny."""
+        steps = self.limit * _SCAN_RATIO ** np.arange(1.0 - _SCAN_SCALES, 1.0)
         found = np.empty(len(anchors))
-        block = max(2_000_000 // (count * len(self.samples)), 1)
+        block = max(1_000_000 // (_SCAN_SCALES * len(self.samples)), 1)
         for start in range(0, len(anchors), block):
             part = anchors[start : start + block]
-            fits = self._fit(part[:, None], np.broadcast_to(steps, (len(part), count)))
-            last = count - 1 - np.argmax(fits[:, ::-1], axis=1)
+            fits = self._fit(part[:, None], np.broadcast_to(steps, (len(part), len(steps))))
+            last = _SCAN_SCALES - 1 - np.argmax(fits[:, ::-1], axis=1)
             lower = np.where(fits.any(axis=1), steps[last], 0.0)
-            upper = np.where(fits.any(axis=1), np.minimum(lower + steps[0], self.limit), steps[0])
-            for _ in range(halvings):
+            upper = np.where(lower > 0.0, np.minimum(lower * _SCAN_RATIO, self.limit), steps[0])
+            for _ in range(_SCAN_HALVINGS):
                 middle = 0.5 * (lower + upper)
                 good = self._fit(part, middle)
                 lower, upper = np.where(good, middle, lower), np.where(good, upper, middle)
@@ -224,7 +229,7 @@ class _Search:
         best = 0.0
         if len(fits):
             best = self.largest_scale(anchor, float(steps[min(fits[0] + 1, len(steps) - 1)]))
-        for top in tops[steps[tops] > best][:_MOST_STARTS]:
+        for top in tops[steps[tops] > best][:_AXIS_STARTS]:
             best = max(best, self._window(float(steps[top]), float(steps[0])))
         return best
 
@@ -409,6 +414,9 @@ def fit_shape(
     lower, upper = corners.min(axis=0), corners.max(axis=0)
     sides = np.subtract(*reversed(shape.extent))
     limit = 1.001 * float(np.min((upper - lower) / sides))
+    if not isinstance(placement, str) and any(placement):
+        # its centre lies within the box around the good-condition workspace
+        limit = min(limit, float(np.hypot(*corners.T).max() / np.hypot(*placement)) + 1e-300)
     is_limited = least_factor > 0.0 and 1.0 / least_factor < limit
     search = _Search(
         good,
@@ -423,10 +431,10 @@ def fit_shape(
             raise InfeasibleSizeError(_why_not(search, placement, lower, upper))
         decides = scale < search.limit
         # Where squares do not suffice next to contacts, some more room does.
-        for allowance in (ALLOWANCE, 10.0 * ALLOWANCE, 40.0 * ALLOWANCE):
+        for allowance, most in _PATIENCE:
             factor = (1.0 + allowance) / scale if decides else least_factor
             position = search.position(anchor, 1.0 / factor)
-            proof = prove(good, shape, position, 1.0 / factor)
+            proof = prove(good, shape, position, 1.0 / factor, most)
             if proof.witness is not None:
                 search.holes.append(position + proof.witness / factor)
             if proof.verdict in (INSIDE, OUTSIDE) or not decides:
@@ -449,10 +457,13 @@ def _best(
     if search.offset is not None:
         return np.zeros(2), search.largest_at_offset()
     free = placement == FREE
-    anchors, shape_of_grid = _anchors(lower, upper, free)
-    scales = search.scan(anchors, _SCAN_SCALES, _SCAN_HALVINGS)
+    anchors, step = _anchors(search, lower, upper, free)
     best = np.zeros(2), 0.0
-    for start in _peaks(scales.reshape(shape_of_grid))[:_MOST_STARTS]:
+    if not len(anchors):
+        return best
+    scales = search.scan(anchors)
+    most = _FREE_STARTS if free else _AXIS_STARTS
+    for start in _starts(anchors, scales, _APART * step, most):
         anchor, scale = search.improve(anchors[start], free)
         if scale > best[1]:
             best = anchor, scale
@@ -462,35 +473,43 @@ def _best(
 
 
 def _anchors(
-    lower: FloatArray, upper: FloatArray, free: bool
-) -> tuple[FloatArray, tuple[int, int]]:
-    """Return the positions of a scan, shape (n, 2), and how many rows and columns they are."""
+    search: _Search, lower: FloatArray, upper: FloatArray, free: bool
+) -> tuple[FloatArray, float]:
+    """Return the positions of a scan, shape (n, 2), and how far they are apart.
+
+    Of a shape that its centre belongs to, this must be good. A narrow workspace then has as
+    many positions as a wide one.
+    """
+    is_centred = bool(search.shape.contains(np.zeros((1, 2)))[0])
     if not free:
-        y = np.linspace(lower[1], upper[1], _AXIS_POSITIONS + 2)[1:-1]
-        return np.column_stack([np.zeros(len(y)), y]), (len(y), 1)
-    step = float((upper - lower).max()) / _FREE_POSITIONS
-    lines = [
-        np.linspace(low, high, math.ceil((high - low) / step) + 2)[1:-1]
-        for low, high in zip(lower, upper, strict=True)
-    ]
-    x, y = np.meshgrid(*lines)
-    return np.column_stack([x.ravel(), y.ravel()]), (x.shape[0], x.shape[1])
+        y = np.linspace(lower[1], upper[1], _AXIS_POSITIONS + 2)
+        return np.column_stack([np.zeros(len(y)), y])[1:-1], float(y[1] - y[0])
+    step = math.sqrt(float(np.prod(upper - lower)) / _FREE_POSITIONS)
+    while True:
+        lines = [
+            np.linspace(low, high, math.ceil((high - low) / step) + 2)[1:-1]
+            for low, high in zip(lower, upper, strict=True)
+        ]
+        x, y = np.meshgrid(*lines)
+        anchors = np.column_stack([x.ravel(), y.ravel()])
+        if not is_centred:
+            return anchors, step
+        count = len(anchors)
+        anchors = anchors[search.good.margins(anchors) >= 0.0]
+        if 2 * len(anchors) > _FREE_POSITIONS or count > _MOST_POSITIONS:
+            return anchors, step
+        step *= 0.7
 
 
-def _peaks(scales: FloatArray) -> list[int]:
-    """Return the places of local maxima above 0 on a grid, the highest first."""
-    wide = np.pad(scales, 1, constant_values=-1.0)
-    rows, columns = scales.shape
-    around = np.max(
-        [
-            wide[1 + i : 1 + i + rows, 1 + j : 1 + j + columns]
-            for i in (-1, 0, 1)
-            for j in (-1, 0, 1)
-        ],
-        axis=0,
-    )
-    places = np.flatnonzero((scales >= around) & (scales > 0.0))
-    return [int(place) for place in places[np.argsort(-scales.ravel()[places], kind="stable")]]
+def _starts(anchors: FloatArray, scales: FloatArray, apart: float, most: int) -> list[int]:
+    """Return the places of the best scales that are not too near to better ones."""
+    left = np.argsort(-scales, kind="stable")
+    left = left[scales[left] > _WORTHWHILE * scales.max()]
+    starts: list[int] = []
+    while len(left) and len(starts) < most:
+        starts.append(int(left[0]))
+        left = left[np.hypot(*(anchors[left] - anchors[left[0]]).T) >= apart]
+    return starts
 
 
 def _points_of_holes(good: GoodCondition, holes: Sequence[FloatArray]) -> list[FloatArray]:
@@ -526,12 +545,21 @@ def _why_not(search: _Search, placement: str | Point, lower: FloatArray, upper: 
     if search.offset is not None:
         steps = search.limit * np.arange(1, _OFFSET_SCALES + 1) / _OFFSET_SCALES
         points = search.points(np.zeros(2), steps[:, None], search.samples)
-        least = without.good.margins(points).min(axis=1)
+        margins = without.good.margins(points)
+        least = margins.min(axis=1)
         closest = int(np.argmax(least))
         if least[closest] < 0.0 or not any(each.is_limiting for each in good.ranges):
             x, y = (float(part) for part in search.offset)
             value = max(float(least[closest]) + good.lci_threshold, 0.0)
             known = "" if least[closest] < 0.0 else ", but there are holes in it"
+            if value == 0.0:
+                shares = np.mean(margins >= 0.0, axis=1)
+                best = int(np.argmax(shares))
+                return (
+                    f"the {shape.name} fits at no size with its centre at ({x:g}, {y:g}); closest "
+                    f"comes D = {1.0 / steps[best]:.6g}, where about {100 * shares[best]:.0f} % of "
+                    f"it is in good condition and some is outside the usable workspace"
+                )
             return (
                 f"the {shape.name} fits at no size with its centre at ({x:g}, {y:g}); closest "
                 f"comes D = {1.0 / steps[closest]:.6g}, where the least LCI of its points is "
@@ -540,7 +568,7 @@ def _why_not(search: _Search, placement: str | Point, lower: FloatArray, upper: 
         candidates = points[least >= 0.0].reshape(-1, 2)
         where = "of the shape"
     else:
-        anchors, _ = _anchors(lower, upper, placement == FREE)
+        anchors, _ = _anchors(without, lower, upper, placement == FREE)
         margins = without.good.margins(anchors)
         where = "on the y axis" if placement == ON_AXIS else "of the good-condition workspace"
         if np.all(margins < 0.0):
@@ -560,8 +588,8 @@ def _why_not(search: _Search, placement: str | Point, lower: FloatArray, upper: 
             best = int(np.argmax(room))
             x, y = candidates[best] + 0.0
             reasons.append(
-                f"no point {where} has {each}; closest comes ({x:.4g}, {y:.4g}) of the "
-                f"non-dimensional design, {math.degrees(-room[best]):.4g} deg outside"
+                f"none of {len(room)} points {where} has {each}; closest comes "
+                f"({x:.4g}, {y:.4g}) of the non-dimensional design, {math.degrees(-room[best]):.4g} deg outside"
             )
     if not reasons:
         limits = " and ".join(str(each) for each in good.ranges if each.is_limiting)

@@ -27,7 +27,7 @@ from fivebar_atlas.mechanisms.base import (
 from fivebar_atlas.mechanisms.planar import PlanarDesign, ScaledDesign
 from fivebar_atlas.planar_geometry import Point, Region
 from fivebar_atlas.synthesis.containment import INSIDE, ActuatorRange, GoodCondition
-from fivebar_atlas.synthesis.placement import ON_AXIS, Fit, empty_reason, fit_shape
+from fivebar_atlas.synthesis.placement import FREE, ON_AXIS, Fit, empty_reason, fit_shape
 from fivebar_atlas.synthesis.practical_workspace import (
     Field,
     InputRange,
@@ -323,9 +323,10 @@ def size_for_area(
     Raises
     ------
     InputError
-        If the area is not positive and finite, or the threshold not in (0, 1).
+        If the area is not positive and finite, the threshold not in (0, 1), or there is no such
+        input.
     UnknownNameError
-        If there is no such mode pair, link or input.
+        If there is no such mode pair or link.
     InfeasibleSizeError
         If the good-condition workspace is empty, or a range or limit does not hold.
 
@@ -405,9 +406,9 @@ def size_for_shape(
     Raises
     ------
     InputError
-        If the threshold is not in (0, 1), or the placement is none.
+        If the threshold is not in (0, 1), an offset is not finite, or there is no such input.
     UnknownNameError
-        If there is no such mode pair, link or input.
+        If there is no such mode pair, link or placement.
     InfeasibleSizeError
         If the shape fits at no size that is allowed; says why and what comes closest.
 
@@ -422,6 +423,8 @@ def size_for_shape(
     (48.8714, 75.185)
     """
     good = _good(design, mode, lci_threshold, ranges)
+    if isinstance(placement, str) and placement not in (ON_AXIS, FREE):
+        raise UnknownNameError("placement", placement, (ON_AXIS, FREE))
     if not isinstance(placement, str) and not all(map(math.isfinite, placement)):
         raise InputError("offset", placement, "two finite lengths")
     lengths = _named(design)
