@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Sequence
 
@@ -10,6 +11,7 @@ import numpy.typing as npt
 
 from fivebar_atlas.store import Atlas
 from fivebar_atlas.synthesis.conditions import Condition
+from fivebar_atlas.synthesis.design_polygon import ON_SIDE, DesignPolygon
 from fivebar_atlas.synthesis.exact_values import ExactValues, has_exact_values
 from fivebar_atlas.synthesis.maximise import Optimum, local_maxima, maximise
 from fivebar_atlas.synthesis.objectives import Objective
@@ -169,27 +171,32 @@ class Candidates:
         Returns
         -------
         least, greatest
-            Shape (parameters,); at least as wide as the range of the outline's corners
-            that fulfil the conditions.
+            Shape (parameters,).
         """
-        parameters = [parameter.name for parameter in self.atlas.mechanism.parameters]
+        mechanism = self.atlas.mechanism
         corners = np.concatenate([np.empty((0, 2)), *outline])
-        ends = np.full((2, len(parameters)), np.nan)
-        for column, name in enumerate(parameters):
-            exact = self.exact([name])
-            along = self.atlas.mechanism.unproject(corners)[:, column]
+        # Like the region, it ends where the lattice does.
+        polygon = DesignPolygon.of_lattice(self.points, self.triangles)
+        ends = np.full((2, len(mechanism.parameters)), np.nan)
+        for column, parameter in enumerate(mechanism.parameters):
+            exact = dataclasses.replace(self.exact([parameter.name]), polygon=polygon)
+            along = mechanism.unproject(corners)[:, column]
+            of_space = mechanism.unproject(polygon.corners)[:, column]
             for row, sign in enumerate((-1.0, 1.0)):
-                starts = corners[np.argsort(-sign * along, kind="stable")[:1]]
+                furthest = int(np.argmax(sign * along))
+                if sign * along[furthest] >= np.max(sign * of_space) - ON_SIDE:
+                    ends[row, column] = along[furthest]
+                    continue
                 found = maximise(
                     exact,
-                    Objective((name,), (sign,)),
+                    Objective((parameter.name,), (sign,)),
                     self.conditions,
                     self.scales,
-                    np.vstack([starts, self.starts(sign * self.values((name,))[0], 1, 0)]),
+                    corners[[furthest]],
                     trials=False,
                 )
-                if found is not None:
-                    ends[row, column] = sign * found.value
+                # A corner misses a bound by its residual, a design that was found by none.
+                ends[row, column] = along[furthest] if found is None else sign * found.value
         return ends[0], ends[1]
 
     def starts(

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Mechanism, SweepSettings
+from fivebar_atlas.executors import ThreadExecutor, usable_cores
+from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Mechanism, Results, SweepSettings
 from fivebar_atlas.store import Atlas
 from fivebar_atlas.synthesis.design_polygon import DesignPolygon
 
@@ -20,6 +22,9 @@ TOLERANCE = 1e-9
 
 #: Step of differences in the chart: its square and the tolerance over it are alike small.
 STEP = 1e-4
+
+# Fewer are not worth the threads.
+_DESIGNS_PER_THREAD = 16
 
 
 def has_exact_values(atlas: Atlas, names: Sequence[str]) -> bool:
@@ -120,7 +125,7 @@ class ExactValues:
         if all(name in columns for name in self.names):
             values[:] = designs[:, [columns.index(name) for name in self.names]].T
             return values, errors
-        results = self.mechanism.evaluate(designs, self.settings)
+        results = self._results(designs)
         for row, name in enumerate(self.names):
             if name in columns:
                 values[row] = designs[:, columns.index(name)]
@@ -131,6 +136,29 @@ class ExactValues:
             if quantity.has_error:
                 errors[row] = np.reshape(results[quantity.error_name], len(designs))
         return values, errors
+
+    def _results(self, designs: FloatArray) -> Results:
+        """Return what the mechanism computes; many designs on several threads."""
+        count = min(usable_cores(), len(designs) // _DESIGNS_PER_THREAD)
+        if count < 2:
+            return self.mechanism.evaluate(designs, self.settings)
+        # Neighbours are alike in cost, so each thread gets some of everywhere.
+        shares = [range(first, len(designs), count) for first in range(count)]
+        parts = dict(
+            ThreadExecutor(count).run(
+                lambda share: self.mechanism.evaluate(
+                    designs[share.start : share.stop : share.step], self.settings
+                ),
+                shares,
+            )
+        )
+        results: dict[str, npt.NDArray[Any]] = {}
+        for share, part in parts.items():
+            for name, values in part.items():
+                if name not in results:
+                    results[name] = np.empty((len(designs), *values.shape[1:]), values.dtype)
+                results[name][share.start : share.stop : share.step] = values
+        return results
 
     def gradients(self, points: FloatArray, values: FloatArray) -> FloatArray:
         """Return gradients in the chart by differences of the second order.

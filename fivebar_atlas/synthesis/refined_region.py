@@ -27,7 +27,9 @@ RESIDUAL = 1e-8
 
 # Newton's method goes on below that bound, as far as the values are exact.
 _AIM = 1e-10
-_ITERATIONS = 12
+_ITERATIONS = 20
+# Gradients are computed again where a step leaves more than this share of a residual.
+_FAST = 0.05
 # Below this share of its scale an interpolated margin is zero.
 _AT_BOUND = 1e-11
 # Singular values below this share of the largest belong to directions that stay as they are.
@@ -252,11 +254,14 @@ def _move(
     """Move corners to their bounds by Newton's method, all at once; return which arrived.
 
     A step is the shortest one that meets all bounds of a corner and stays on its sides; a
-    corner that does not arrive within ``reach`` goes back to where it was.
+    corner that does not arrive within ``reach`` goes back to where it was. Gradients are
+    kept as long as the residual falls fast with them.
     """
     start = corners.points.copy()
     best = np.full(len(start), np.inf)
     best_points = start.copy()
+    before = np.full(len(start), np.inf)
+    slopes = np.full((len(conditions), len(start), 2), np.nan)
     movable = corners.active.any(axis=1) & (np.count_nonzero(corners.sides, axis=1) < 2)
     moving = np.flatnonzero(movable)
     rows = [exact.names.index(condition.quantity) for condition in conditions]
@@ -276,15 +281,17 @@ def _move(
         best_points[moving[improved]] = points[improved]
         gone = np.linalg.norm(points - start[moving], axis=1) > reach
         going = (worst > _AIM) & np.isfinite(worst) & ~gone
-        moving, points = moving[going], points[going]
-        if not len(moving):
-            break
-        gradients = exact.gradients(points, values[:, going])[rows]
-        gradients = (signs / scales)[:, np.newaxis, np.newaxis] * gradients
+        moving, points, worst = moving[going], points[going], worst[going]
+        values, residuals = values[:, going], residuals[going]
+        slow = ~(worst <= _FAST * before[moving]) | np.isinf(before[moving])
+        before[moving] = worst
+        if slow.any():
+            gradients = exact.gradients(points[slow], values[:, slow])[rows]
+            slopes[:, moving[slow]] = (signs / scales)[:, np.newaxis, np.newaxis] * gradients
         for number, corner in enumerate(moving):
             step = _step(
-                residuals[going][number],
-                gradients[:, number, :],
+                residuals[number],
+                slopes[:, corner],
                 corners.active[corner],
                 polygon.normals[corners.sides[corner]],
             )
