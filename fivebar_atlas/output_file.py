@@ -52,6 +52,12 @@ def check_output(path: Path, overwrite: bool) -> None:
         raise unwritable(path, error) from None
 
 
+def check_is_no_input(path: Path, source: Path) -> None:
+    """Raise FileUsageError if an output is the very file that is read."""
+    if path.resolve() == source.resolve():
+        raise FileUsageError(path, "is the input; the output needs another name")
+
+
 def unwritable(path: object, error: OSError, kept: str = "") -> FileError:
     """Return the error that says why a file cannot be written.
 

@@ -211,3 +211,8 @@ def test_wrong_files_are_named(refused: Callable[..., str], tmp_path: Path) -> N
     taken.write_text("mine")
     assert "--overwrite" in refused(*command, taken)
     assert taken.read_text() == "mine"
+
+
+def test_isolated_singular_points_of_a_workspace_are_listed(atlas: Command) -> None:
+    outcome = atlas("geometry", "workspace", 1.5, 1.5, 0)
+    assert "isolated singular points: (0, 0)" in outcome.out

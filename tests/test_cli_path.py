@@ -252,7 +252,7 @@ def test_one_point_is_a_path(atlas: Command, tmp_path: Path) -> None:
         ((26, 30, 16, "other.csv"), "other.csv: there is no such file"),
         ((26, 30, 16, "points.csv", "--unit", "cm"), "has no column x or x_cm"),
         ((1.28, 1.72, 0, "points.csv"), "lengths are non-dimensional here"),
-        ((26, 30, 16, "points.csv", "-o", "points.csv"), "exists already"),
+        ((26, 30, 16, "points.csv", "-o", "points.csv"), "is the input"),
         ((26, 30, 16, "points.csv", "-o", "no/report.csv"), "the folder no does not exist"),
         ((26, 30, 16, "bad.csv", "-o", "report.csv"), "row 1 (line 2), column y: 'b' is not"),
     ],
@@ -269,3 +269,20 @@ def test_wrong_inputs_are_named(
     (tmp_path / "bad.csv").write_text("x,y\n1,b\n")
     assert message in refused("path", *arguments)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.csv", "points.csv"]
+
+
+def test_the_points_are_not_overwritten_by_what_is_said_of_them(
+    refused: Callable[..., str], tmp_path: Path
+) -> None:
+    points = tmp_path / "points.csv"
+    points.write_text("x,y\n0,40\n5,41\n")
+    line = refused("path", 26, 30, 16, points, "-o", points, "--overwrite")
+    assert line == f"{points}: is the input; the output needs another name"
+    film = tmp_path / "film.gif"
+    for data in (points, tmp_path / "." / "points.csv"):
+        line = refused(
+            "animate", 26, 30, 16, "--points", points, "--data", data, "-o", film, "--overwrite"
+        )
+        assert line.endswith("is the input; the output needs another name")
+    assert points.read_text() == "x,y\n0,40\n5,41\n"
+    assert not film.exists()

@@ -271,3 +271,10 @@ def test_the_figure_of_a_real_sweep(atlas: Command, tmp_path: Path) -> None:
         assert inside.min() - 0.25 <= float(least) <= inside.min() + 1e-4
         assert inside.max() - 1e-4 <= float(greatest) <= inside.max() + 0.25
     assert 'id="region"' in output.read_text()
+
+
+def test_no_kind_shows_the_kinds_there_are(atlas: Command) -> None:
+    outcome = atlas("plot")
+    assert outcome.code == 2
+    assert outcome.err.startswith("Usage: atlas plot")
+    assert "shape-atlas" in outcome.err

@@ -389,7 +389,7 @@ def test_change_points_and_isolated_points_are_told() -> None:
 
 def test_a_mode_that_is_singular_throughout_has_no_loci_and_says_so() -> None:
     text = written(loci_figure(design_of(1.28, 1.72, 0.0), "++"))
-    assert "no singular loci in mode ++" in text
+    assert "no arcs of singular loci in mode ++" in text
     assert "singular throughout in ++" in text
 
 

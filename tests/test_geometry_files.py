@@ -218,7 +218,7 @@ def test_what_is_not_there_is_explained() -> None:
     corner = geometry((1.0, 0.7, 1.3), "good-condition", lci=0.83)
     assert corner.is_empty
     assert corner.absence.endswith("only in parts too small to be outlined")
-    assert "no singular loci of ++" in geometry((1.28, 1.72, 0), "loci", "++").absence
+    assert "no arcs of singular loci of ++" in geometry((1.28, 1.72, 0), "loci", "++").absence
 
 
 @pytest.mark.parametrize(

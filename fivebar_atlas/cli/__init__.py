@@ -85,6 +85,9 @@ def _exit_code(run: Callable[[], Any]) -> int:
     except click.Abort as abort:
         click.echo("; ".join(["atlas: interrupted", *filter(None, [str(abort)])]), err=True)
         return _INTERRUPTED
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message(), err=True)
+        return error.exit_code
     except click.UsageError as error:
         where = f" (see '{error.ctx.command_path} --help')" if error.ctx else ""
         return _fail(error.format_message() + where, error.exit_code)

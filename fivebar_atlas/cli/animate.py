@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -105,8 +105,10 @@ def animate(
         save_animation,
         save_frames,
     )
-    from fivebar_atlas.output_file import check_output
+    from fivebar_atlas.output_file import check_is_no_input, check_output
 
+    for written in filter(None, (output, data) if points is not None else ()):
+        check_is_no_input(written, cast("Path", points))
     check_animation_output(output, fps, overwrite)
     if data is not None:
         check_output(data, overwrite)

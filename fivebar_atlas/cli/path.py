@@ -66,15 +66,17 @@ def path(
     POINTS.csv has columns x and y (or x_mm and y_mm with the unit of the lengths); straight
     segments join the points. Reported are input angles, continuous along the path, the LCI,
     the distance to the nearest singular locus, and a verdict: feasible, or the first fault
-    with the locus that is met there. Points are numbered from 1.
+    with the locus that is met there. Points are numbered from 1. Ranges and least values are
+    those at the points; between them LCI and distance may be less, as a denser path shows.
 
     Exit codes: 0 feasible, 1 not feasible, 2 wrong usage or wrong input.
     """
     from fivebar_atlas.checked_paths import CheckedPath
-    from fivebar_atlas.output_file import check_output
+    from fivebar_atlas.output_file import check_is_no_input, check_output
     from fivebar_atlas.point_files import read_points
 
     if output is not None:
+        check_is_no_input(output, file)
         check_output(output, overwrite)
     machine = options.planar_design(**design)
     pair = options.mode_pair(machine, mode)
@@ -148,6 +150,9 @@ def _summary(checked: CheckedPath) -> Iterator[str]:
     report = checked.report
     unit = f" {checked.design.unit}" if checked.design.unit else ""
     turns = checked.turns()
+    if not np.all(np.isnan(report.lci)):
+        # between them the indices may be less: that is what a denser path is for
+        yield "at the points:" if report.feasible else "at the points before the fault:"
     for number, angles in enumerate(np.degrees(report.inputs).T):
         low, high = checked.least(angles), checked.least(-angles)
         if low is None or high is None:

@@ -58,7 +58,7 @@ def loci_figure(
         If the width is out of range, or the linkage cannot move at all.
     """
     arcs = design.singular_loci(mode)
-    notes = [] if arcs or mode is None else [f"no singular loci in {mode_text(mode)}"]
+    notes = [] if arcs or mode is None else [f"no arcs of singular loci in {mode_text(mode)}"]
     return _drawn(design, arcs, title_text("Singular loci", design, mode), notes, width, data)
 
 

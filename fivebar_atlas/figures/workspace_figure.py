@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.path import Path as MatplotlibPath
 
 from fivebar_atlas.figures import style
 from fivebar_atlas.figures.colour_bar import KeyEntry, draw_key_rows, key_rows_height
@@ -38,7 +39,7 @@ from fivebar_atlas.figures.wording import (
     title_text,
 )
 from fivebar_atlas.mechanisms.planar import PlanarDesign
-from fivebar_atlas.planar_geometry import CircleArc, FloatArray, NamedArc, Region
+from fivebar_atlas.planar_geometry import CircleArc, FloatArray, NamedArc, Point, Region
 
 #: Look of the boundary of a usable workspace where its kinds do not matter.
 OUTLINE: dict[str, Any] = {"color": style.INK, "linestyle": "solid", "linewidth": 0.6}
@@ -112,7 +113,7 @@ def workspace_figure(
         rows.append([KeyEntry(_circles_text(circles, design.unit), look)])
     if others:
         rows.append([KeyEntry("other singular loci of the mode", _OTHER_LOCI)])
-    marks = marked_points(region.arcs)
+    marks = marked_points(region.arcs, _points_inside(design, region))
     rows.append([*(mark.entry for mark in marks), KeyEntry(", ".join(design.remarks()), {})])
     joints = np.array([joint.position for joint in pose.joints])
     bounds = bounds_of([*bounds_of_arcs([*loci, *region.arcs]), joints])
@@ -199,6 +200,20 @@ def good_condition_figure(
             draw_arcs(frame, part.arcs, name, data, linewidth=0.7)
         draw_key_rows(frame, rows)
         return frame.figure
+
+
+def _points_inside(design: PlanarDesign, region: Region) -> list[Point]:
+    """Return the isolated singular points that lie in a workspace or on its boundary."""
+    points = design.isolated_singular_points()
+    if not points:
+        return []
+    outline, *holes = region.polygons(flatness(*bounds_of_arcs(region.outline.arcs)))
+    return [
+        point
+        for point in points
+        if MatplotlibPath(outline).contains_point(point)
+        and not any(MatplotlibPath(hole).contains_point(point) for hole in holes)
+    ]
 
 
 def fill_region(frame: PlaneFrame, region: Region, name: str, **look: Any) -> None:

@@ -213,7 +213,7 @@ def _loci(design: PlanarDesign, mode: str | None) -> DesignGeometry:
     absence = ""
     if not arcs and not points:
         of_mode = "" if label is None else f" of {label}"
-        absence = f"there are no singular loci{of_mode} ({'; '.join(design.remarks())})"
+        absence = f"there are no arcs of singular loci{of_mode} ({'; '.join(design.remarks())})"
     return DesignGeometry(LOCI, design, label, arcs=arcs, isolated_points=points, absence=absence)
 
 
@@ -234,8 +234,14 @@ def _workspace(design: PlanarDesign, mode: str) -> DesignGeometry:
     found = design.usable_workspace(mode)
     if found is None:
         return DesignGeometry(WORKSPACE, design, mode, area=0.0, absence=_emptiness(mode))
-    regions = (_tagged(found.region, mode),)
-    return DesignGeometry(WORKSPACE, design, mode, regions=regions, area=found.area)
+    return DesignGeometry(
+        WORKSPACE,
+        design,
+        mode,
+        regions=(_tagged(found.region, mode),),
+        isolated_points=design.isolated_singular_points(),
+        area=found.area,
+    )
 
 
 def _good_condition(design: PlanarDesign, mode: str, threshold: float) -> DesignGeometry:
