@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fivebar_atlas.cli import options
-from fivebar_atlas.cli.plot.stored import asked_to_choose
 from fivebar_atlas.cli.progress import note_compilation
 
 if TYPE_CHECKING:
@@ -101,7 +100,7 @@ def optimum(
     if best < 0:
         raise InputError("--best", best, "a number of at least 0")
     conditions = [parse_condition(where) for where in wheres]
-    with open_atlas(file) as atlas, asked_to_choose():
+    with open_atlas(file) as atlas, options.asked_to_choose():
         known = condition_names(atlas)
         check_conditions(conditions, atlas)
         check_contradictions(conditions)

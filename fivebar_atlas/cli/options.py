@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -172,3 +173,14 @@ def mode_pair(design: PlanarDesign, mode: str | None) -> str:
 
     mechanism = mechanisms.get(design.mechanism)
     return mechanism.modes[0] if mode is None else mechanism.parse_mode(mode)
+
+
+@contextlib.contextmanager
+def asked_to_choose() -> Iterator[None]:
+    """Name the option where a file holds several mode pairs or thresholds and none is chosen."""
+    try:
+        yield
+    except InputError as error:
+        if error.value is not None:
+            raise
+        raise click.UsageError(f"--{error.name} must be given: {error.allowed}") from None

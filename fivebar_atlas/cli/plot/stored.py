@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -36,17 +34,6 @@ def file_options(command: Command) -> Command:
     ):
         command = option(command)
     return command
-
-
-@contextlib.contextmanager
-def asked_to_choose() -> Iterator[None]:
-    """Name the option where a file holds several mode pairs or thresholds and none is chosen."""
-    try:
-        yield
-    except InputError as error:
-        if error.value is not None:
-            raise
-        raise click.UsageError(f"--{error.name} must be given: {error.allowed}") from None
 
 
 @plot.command("design-space")
@@ -93,7 +80,7 @@ def _draw_quantity(
     from fivebar_atlas.store import open_atlas
 
     check_figure_output(output, overwrite)
-    with open_atlas(file) as atlas, asked_to_choose():
+    with open_atlas(file) as atlas, options.asked_to_choose():
         figure = quantity_figure(atlas, name, mode, lci, width=width)
     save_figure(figure, output, overwrite)
 
@@ -155,7 +142,7 @@ def region(
 
     check_figure_output(output, overwrite)
     conditions = [parse_condition(where) for where in wheres]
-    with open_atlas(file) as atlas, asked_to_choose():
+    with open_atlas(file) as atlas, options.asked_to_choose():
         found = optimum_region(atlas, conditions, mode, lci)
         bounds = [(each.quantity, each.operator, each.bound) for each in conditions]
         figure = region_figure(atlas, found.region, bounds, mode, lci, width=width)
@@ -220,7 +207,7 @@ def pareto(
     check_figure_output(output, overwrite)
     conditions = [parse_condition(where) for where in wheres]
     check_contradictions(conditions)
-    with open_atlas(file) as atlas, asked_to_choose():
+    with open_atlas(file) as atlas, options.asked_to_choose():
         directions = parse_directions(quantities, condition_names(atlas), "--pareto")
         if len(directions) != 2:
             raise InputError("--pareto", quantities, "two quantities, the axes of the figure")
