@@ -104,9 +104,13 @@ def random_case(seed: int) -> tuple[Case, GoodCondition]:
         lengths, signs = next(iter(random_cases(int(rng.integers(2**31)), 1)))
         robot, mode = FiveBar(*lengths), mode_label(signs)
         largest = robot.largest_lci(mode)
-        if largest is not None and largest[0] > 0.05:
+        if largest is None:
+            continue
+        threshold = float(rng.uniform(0.1, 0.8) * largest[0])
+        parts = robot.good_condition_workspace(threshold, mode)
+        # what is smaller is too small for the cells of the oracle
+        if parts and parts[0].area > 0.05:
             break
-    threshold = float(rng.uniform(0.1, 0.8) * largest[0])
     shape = random_shape(rng)
     good = GoodCondition(robot, mode, threshold)
     placement: str | tuple[float, float] = (ON_AXIS, FREE, "offset")[rng.integers(3)]

@@ -7,6 +7,7 @@ import math
 import naive
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from fivebar_atlas import planar_design
 from fivebar_atlas.errors import InfeasibleSizeError, InputError, UnknownNameError
@@ -204,8 +205,8 @@ def test_what_is_infeasible_says_why_and_what_comes_closest() -> None:
             r"none of \d+ points on the y axis has θ1 from -30 to",
         ),
         (
-            {"placement": "free", "ranges": [ActuatorRange(2, *degrees(-90.01, -90.0))]},
-            "fits at no size",
+            {"placement": "free", "ranges": [ActuatorRange(2, *degrees(178.0, 179.0))]},
+            r"none of \d+ points of the good-condition workspace has θ2 from 178 to 179 deg",
         ),
         ({"placement": (0.0, 200.0)}, r"no size with its centre at \(0, 200\); closest comes D ="),
     ]
@@ -258,3 +259,17 @@ def test_wrong_input_is_refused() -> None:
         machine.positioning_error(0.0)
     with pytest.raises(InputError, match="force"):
         machine.joint_torque(-1.0)
+
+
+def test_the_largest_of_several_parts_has_the_area() -> None:
+    lengths, threshold = (0.934, 2.029, 0.037), 0.026
+    machine = size_for_area(planar_design(*lengths, unit=""), 400.0, "--/down", threshold)
+    assert machine.parts == 2
+    x, y = naive.grid(*lengths, 1500)
+    inside = naive.usable_workspace_mask(*lengths, -1, -1, -1, 1500)
+    columns, rows = np.meshgrid(x, y)
+    inside[inside] = naive.lci(*lengths, columns[inside], rows[inside], -1, -1) >= threshold
+    labels, _ = ndimage.label(inside)
+    largest = np.bincount(labels.ravel())[1:].max() * (x[1] - x[0]) * (y[1] - y[0])
+    assert machine.factor**2 * largest == pytest.approx(400.0, rel=5e-3)
+    assert machine.factor_error < 1e-4 * machine.factor

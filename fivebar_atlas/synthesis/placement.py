@@ -44,12 +44,14 @@ _AXIS_POSITIONS, _FREE_POSITIONS = 401, 1200
 _SCAN_BOUNDARY, _SCAN_INTERIOR, _SCAN_RATIO, _SCAN_SCALES, _SCAN_HALVINGS = 64, 16, 1.25, 30, 8
 # The same along the one line of scales that belongs to an offset.
 _OFFSET_SCALES = 2000
-# Positions of a scan that are improved, how many steps they are apart, rounds of it.
-_AXIS_STARTS, _FREE_STARTS, _APART, _ROUNDS = 4, 10, 2.5, 14
+# Positions of a scan that are improved, how many steps they are apart.
+_AXIS_STARTS, _FREE_STARTS, _APART = 4, 10, 2.5
+# Rounds for all of them, and for the best ones.
+_FEW_ROUNDS, _ROUNDS, _FINALISTS = 6, 40, 2
 # A start that is worse than this share of the best one of a scan is not worth it.
 _WORTHWHILE = 0.8
 # How far positions move at first in such a round, how that gets less, and what is no gain.
-_FIRST_REACH, _SHORTENING, _LAST_REACH, _NO_GAIN = 0.05, 0.15, 1e-7, 1e-12
+_FIRST_REACH, _LAST_REACH, _LENGTHENING, _SHORTENING, _NO_GAIN = 0.05, 1e-8, 2.0, 0.15, 1e-12
 _MOST_CONTACTS = 40
 # Samples of a boundary where the worst points are looked for, and how they are closed in on.
 _BOUNDARY, _WORST, _ZOOM, _ZOOM_ROUNDS = 360, 10, 13, 8
@@ -262,10 +264,12 @@ class _Search:
 
     def _cut(self, anchor: FloatArray, scale: float, bad: FloatArray) -> float:
         """Return the least of the largest scales below one at which bad points are good."""
-        # close steps first, for the cuts become small, then even ones down to nothing
+        # close steps first, for the cuts become small, then even ones, and geometric ones down
+        # to scales that are tiny beside the first one
         near = 2.0 ** -np.arange(45.0, 5.0, -1.0)
         even = np.linspace(near[-1], 1.0, _MARCH * (8 if self.offset is not None else 1))[1:-1]
-        steps = scale * (1.0 - np.concatenate([[0.0], near, even]))
+        tiny = 1.0 - _SCAN_RATIO ** np.arange(-12.0, -60.0, -1.0)
+        steps = scale * (1.0 - np.concatenate([[0.0], near, np.sort(np.append(even, tiny))]))
         values = self.good.margins(
             self.points(anchor, np.broadcast_to(steps, (len(bad), len(steps))), bad[:, None])
         )
@@ -280,28 +284,29 @@ class _Search:
             lower, upper = np.where(good, middle, lower), np.where(good, upper, middle)
         return float(lower.min())
 
-    def improve(self, anchor: FloatArray, free: bool) -> tuple[FloatArray, float]:
+    def improve(self, anchor: FloatArray, free: bool, rounds: int) -> tuple[FloatArray, float]:
         """Move a position to where the scale has a local maximum; return it and the scale."""
         axes = [0, 1] if free else [1]
         scale = self.largest_scale(anchor, self.limit)
         contacts = np.empty((0, 2))
         reach = _FIRST_REACH
-        for _ in range(_ROUNDS):
-            if scale <= 0.0 or scale >= self.limit:
+        for _ in range(rounds):
+            if not 0.0 < scale < self.limit or reach < _LAST_REACH:
                 break
             points, values = self.worst(anchor, scale)
-            contacts = np.concatenate([contacts, points[values < _CONTACT]])[-_MOST_CONTACTS:]
+            contacts = np.concatenate([points[values < _CONTACT], contacts])[:_MOST_CONTACTS]
             trial = self._optimised(anchor, scale, contacts, axes, reach)
             trial_scale = self.largest_scale(trial, self.limit)
-            if trial_scale > scale:
-                is_done = trial_scale < scale * (1.0 + _NO_GAIN)
+            if trial_scale > scale * (1.0 + _NO_GAIN):
                 anchor, scale = trial, trial_scale
+                contacts = np.empty((0, 2))
+                reach *= _LENGTHENING
             else:
-                # what was not a contact before is one now, or it went too far
-                is_done = reach < _LAST_REACH
+                # what was not a contact before is one there, or it went too far
+                if trial_scale > 0.0:
+                    points, values = self.worst(trial, trial_scale)
+                    contacts = np.concatenate([points[values < _CONTACT], contacts])
                 reach *= _SHORTENING
-            if is_done:
-                break
         return anchor, scale
 
     def _optimised(
@@ -372,7 +377,7 @@ class _Search:
                 trial = anchor + step * direction
                 trial_scale = self.largest_scale(trial, min(self.limit, scale * (1.0 + 100 * step)))
                 if trial_scale > scale * (1.0 + 1e-10):
-                    anchor, scale = self.improve(trial, free)
+                    anchor, scale = self.improve(trial, free, _ROUNDS)
         return anchor, scale
 
 
@@ -463,10 +468,14 @@ def _best(
         return best
     scales = search.scan(anchors)
     most = _FREE_STARTS if free else _AXIS_STARTS
-    for start in _starts(anchors, scales, _APART * step, most):
-        anchor, scale = search.improve(anchors[start], free)
-        if scale > best[1]:
-            best = anchor, scale
+    improved = [
+        search.improve(anchors[start], free, _FEW_ROUNDS)
+        for start in _starts(anchors, scales, _APART * step, most)
+    ]
+    improved.sort(key=lambda each: -each[1])
+    for anchor, scale in improved[:_FINALISTS]:
+        if scale > 0.0:
+            best = max(best, search.improve(anchor, free, _ROUNDS), key=lambda each: each[1])
     if 0.0 < best[1] < search.limit:
         best = search.polish(*best, free)
     return best
@@ -589,7 +598,8 @@ def _why_not(search: _Search, placement: str | Point, lower: FloatArray, upper: 
             x, y = candidates[best] + 0.0
             reasons.append(
                 f"none of {len(room)} points {where} has {each}; closest comes "
-                f"({x:.4g}, {y:.4g}) of the non-dimensional design, {math.degrees(-room[best]):.4g} deg outside"
+                f"({x:.4g}, {y:.4g}) of the non-dimensional design, "
+                f"{math.degrees(-room[best]):.4g} deg outside"
             )
     if not reasons:
         limits = " and ".join(str(each) for each in good.ranges if each.is_limiting)
