@@ -28,8 +28,9 @@ _AREA = re.compile(rf"\s*({_NUMBER})\s*(?:([^\W\d_]+)(?:\^?2|²))?\s*")
 _SIDES = re.compile(rf"\s*({_NUMBER})\s*([^\W\d_]*?)\s*[x×X]\s*({_NUMBER})\s*([^\W\d_]*)\s*")
 _LABEL_WIDTH = 32
 _SHAPES = ("--area", "--rectangle", "--circle", "--polygon")
-# A coordinate that is nothing but rounding, as a share of D.
-_ROUNDING = 1e-9
+# A coordinate that is nothing but rounding, as a share of D: where something has a flat extreme
+# is known to the square root of that of its value.
+_ROUNDING = 1e-7
 
 
 class _Units:
