@@ -121,6 +121,13 @@ def test_tables_are_written(atlas: Command, file: Path, tmp_path: Path) -> None:
     assert all(float(row["gci"]) >= 0.62 for row in rows)
     assert "usable_workspace_area_error" in rows[0]
 
+    bare = tmp_path / "bare.csv"
+    read(atlas("optimum", file, "--where", "r1>=2", "--maximise", "r3", "--json", "-o", bare))
+    header, *rows = bare.read_text(encoding="utf-8").splitlines()
+    assert header == "r1,r2,r3"
+    assert rows
+    assert all(float(row.split(",")[0]) >= 2.0 for row in rows)
+
     front = tmp_path / "front.csv"
     document = read(
         atlas("optimum", file, "--pareto", "usable_workspace_area,gci", "--json", "-o", front)

@@ -24,7 +24,7 @@ from fivebar_atlas.synthesis.candidates import Candidates
 from fivebar_atlas.synthesis.conditions import check_contradictions, parse_condition
 from fivebar_atlas.synthesis.design_polygon import DesignPolygon
 from fivebar_atlas.synthesis.empty_region import explain_emptiness
-from fivebar_atlas.synthesis.maximise import local_maxima
+from fivebar_atlas.synthesis.maximise import local_maxima, maximise
 from fivebar_atlas.synthesis.objectives import Objective, parse_objective
 
 FloatArray = npt.NDArray[np.float64]
@@ -306,6 +306,20 @@ def test_exact_values_may_reach_what_the_lattice_misses(closed_form: Atlas) -> N
     found = sharp.maximise(Objective(("max_lci",), (1.0,)), near=conflict.met_designs)
     assert found is not None
     assert found.value == pytest.approx(1.0, abs=1e-7)
+
+
+def test_a_search_leaves_the_summit_of_a_bounded_quantity(closed_form: Atlas) -> None:
+    bound = 0.67 - 1e-6
+    found = maximise(
+        under(closed_form).exact(["gci", "r1"]),
+        Objective(("r1",), (1.0,)),
+        [parse_condition(f"gci>={bound!r}")],
+        np.array([bound]),
+        design_space.project(np.array([[1.3, 1.7, 0.0]])),
+    )
+    assert found is not None
+    assert found.value == pytest.approx(1.3 + math.sqrt(math.log(0.67 / bound)), abs=1e-7)
+    assert [str(condition) for condition in found.active] == [f"gci>={bound:.12g}"]
 
 
 def test_the_best_gci_of_the_five_bar(five_bar: Atlas) -> None:

@@ -107,7 +107,8 @@ class Candidates:
 
     def values(self, names: Sequence[str]) -> FloatArray:
         """Return stored values, shape (names, designs)."""
-        return np.array([self.atlas.select(name, self.mode, self.lci) for name in names])
+        rows = [self.atlas.select(name, self.mode, self.lci) for name in names]
+        return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.atlas))
 
     def errors(self, names: Sequence[str]) -> FloatArray:
         """Return stored error estimates, shape (names, designs).
@@ -124,7 +125,7 @@ class Candidates:
                 rows.append(self.atlas.select(companion, self.mode, self.lci))
             else:
                 rows.append(np.full(len(self.atlas), np.nan))
-        return np.array(rows)
+        return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.atlas))
 
     def exact(self, names: Sequence[str] = ()) -> ExactValues:
         """Return exact values of the conditions' quantities and of others."""

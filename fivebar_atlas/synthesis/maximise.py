@@ -34,6 +34,8 @@ _ITERATIONS = 60
 _FIRST_TRIAL, _LAST_TRIAL = 1e-4, 2e-9
 _TRIAL_DIRECTIONS = 12
 _TRIALS_EACH = 8
+# Trials that gain less than this share of the objective's scale have found the optimum.
+_GAIN = 1e-8
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -168,8 +170,13 @@ def maximise(
         _climb(search, start)
     if search.best is None:
         return None
-    if trials:
+    for _ in range(_ROUNDS if trials else 0):
+        before = search.best_value
         _try_around(search)
+        if search.best_value - before <= _GAIN:
+            break
+        # Where no gradient led on at first (at a summit of a bounded quantity), one may now.
+        _climb(search, search.best)
     return _optimum(search, objective)
 
 

@@ -89,9 +89,8 @@ class OptimumStudy:
         else:
             chosen = self.candidates.fulfilled
             names, designs = self.shown, self.atlas.designs[chosen]
-            count = len(designs)
-            values = self.candidates.values(names).reshape(len(names), -1)[:, chosen][:, :count]
-            errors = self.candidates.errors(names).reshape(len(names), -1)[:, chosen][:, :count]
+            values = self.candidates.values(names)[:, chosen]
+            errors = self.candidates.errors(names)[:, chosen]
         listed = [place for place, name in enumerate(names) if name not in self.parameters]
         with_error = [place for place in listed if f"{names[place]}_error" in self.atlas.names]
         header = [*self.parameters]
