@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import functools
 import math
 import os
 from collections.abc import Iterator
@@ -19,7 +20,7 @@ import numpy as np
 from fivebar_atlas.closed_paths import closed, path_lengths
 from fivebar_atlas.errors import InfeasiblePathError
 from fivebar_atlas.mechanisms.base import FloatArray, plain
-from fivebar_atlas.mechanisms.planar import PathFault, PathReport, PlanarDesign
+from fivebar_atlas.mechanisms.planar import PathFault, PathLeast, PathReport, PlanarDesign
 from fivebar_atlas.output_file import atomic_output
 from fivebar_atlas.planar_geometry import Region
 
@@ -109,6 +110,13 @@ class CheckedPath:
         gained = self.report.inputs[-1] - self.report.inputs[0]
         return tuple(round(float(angle)) for angle in gained / (2.0 * math.pi))
 
+    @functools.cached_property
+    def extremes(self) -> tuple[PathLeast, PathLeast] | None:
+        """Least LCI and least distance on the whole path; None where it cannot be followed."""
+        if not self.report.feasible:
+            return None
+        return self.design.least_on_path(self.report.points, self.report.mode)
+
     def least(self, values: FloatArray) -> int | None:
         """Return the corner where a value of the report is least, None where there is none."""
         return None if np.all(np.isnan(values)) else int(np.nanargmin(values))
@@ -147,9 +155,16 @@ class CheckedPath:
                 "kind": fault.kind or None,
                 "reason": fault.reason,
             }
-        for key, values in (("least_lci", report.lci), ("least_distance", report.distances)):
-            corner = self.least(values)
-            document[key] = None if corner is None else corners[corner]
+        document["least_lci"] = document["least_distance"] = None
+        if self.extremes is not None:
+            for key, least in zip(("least_lci", "least_distance"), self.extremes, strict=True):
+                document[key] = {
+                    "value": least.value,
+                    "after_point": least.segment + 1,
+                    "share_of_segment": least.share,
+                    "x": least.position[0],
+                    "y": least.position[1],
+                }
         document["points"] = corners
         return document
 

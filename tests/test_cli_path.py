@@ -85,8 +85,9 @@ def test_dimensional_path_agrees_with_the_oracle(atlas: Command, tmp_path: Path)
         assert point["lci"] == pytest.approx(naive.lci(*lengths, x / D, y / D, 1, -1))
         reach = [math.hypot(x + 16, y), math.hypot(x - 16, y)]
         assert 0.0 < point["distance"] <= 56 - max(reach) + 1e-9
-    assert found["least_lci"] == min(found["points"], key=lambda point: point["lci"])
-    assert found["least_distance"] == min(found["points"], key=lambda point: point["distance"])
+    for key, of_points in (("least_lci", "lci"), ("least_distance", "distance")):
+        least = found[key]["value"]
+        assert 0.0 < least <= min(point[of_points] for point in found["points"])
     assert found["turns"] is None
 
 
@@ -183,7 +184,7 @@ def test_table_says_the_same(atlas: Command, tmp_path: Path) -> None:
         expected = [point["x"], point["y"], *point["inputs_deg"], point["lci"], point["distance"]]
         assert [float(value) for value in values] == pytest.approx(expected, abs=6e-3, rel=1e-4)
     least = found["least_lci"]
-    assert f"LCI        least {least['lci']:.4f} (point {least['point']}, " in outcome.out
+    assert f"LCI        least {least['value']:.4f} (" in outcome.out
     assert lines[-1] == "feasible"
 
 
@@ -286,3 +287,29 @@ def test_the_points_are_not_overwritten_by_what_is_said_of_them(
         assert line.endswith("is the input; the output needs another name")
     assert points.read_text() == "x,y\n0,40\n5,41\n"
     assert not film.exists()
+
+
+def test_least_values_are_those_between_points_too(atlas: Command, tmp_path: Path) -> None:
+    # the chord passes just above C_col, far from both of its ends
+    file = written(tmp_path / "points.csv", [(-28.0, 22.5), (28.0, 22.5)])
+    outcome = atlas("path", *MACHINE, file, "--json")
+    assert outcome.code == 0
+    found = json.loads(outcome.out)
+    x = np.linspace(-28.0, 28.0, 20001)
+    dense = naive.lci(*(length / D for length in MACHINE), x / D, np.full_like(x, 22.5 / D), 1, -1)
+    assert found["least_lci"]["value"] == pytest.approx(dense.min(), rel=1e-6)
+    assert found["least_lci"]["x"] == pytest.approx(0.0, abs=1e-3)
+    # at the top of C_col B1P B2 is level, its middle at √(R1² - (R3 - R2)²)
+    top = math.sqrt(26.0**2 - (16.0 - 30.0) ** 2)
+    assert found["least_distance"]["value"] == pytest.approx(22.5 - top, rel=1e-9)
+    assert found["least_distance"]["share_of_segment"] == pytest.approx(0.5, abs=1e-4)
+
+
+def test_a_path_with_a_fault_has_no_least_values(atlas: Command, tmp_path: Path) -> None:
+    file = written(tmp_path / "points.csv", [(0.0, 40.0), (0.0, 20.0)])
+    outcome = atlas("path", *MACHINE, file, "--json")
+    assert outcome.code == 1
+    found = json.loads(outcome.out)
+    assert found["least_lci"] is None
+    assert found["least_distance"] is None
+    assert "least" not in atlas("path", *MACHINE, file).out

@@ -15,6 +15,7 @@ from fivebar_atlas.cli.progress import note_compilation
 
 if TYPE_CHECKING:
     from fivebar_atlas.checked_paths import CheckedPath
+    from fivebar_atlas.mechanisms.planar import PathLeast
 
 # A longer table is printed only where it is asked for.
 _MOST_ROWS = 40
@@ -66,8 +67,8 @@ def path(
     POINTS.csv has columns x and y (or x_mm and y_mm with the unit of the lengths); straight
     segments join the points. Reported are input angles, continuous along the path, the LCI,
     the distance to the nearest singular locus, and a verdict: feasible, or the first fault
-    with the locus that is met there. Points are numbered from 1. Ranges and least values are
-    those at the points; between them LCI and distance may be less, as a denser path shows.
+    with the locus that is met there. Points are numbered from 1. Least LCI and distance are
+    those of the whole path, between its points too; ranges of inputs those at the points.
 
     Exit codes: 0 feasible, 1 not feasible, 2 wrong usage or wrong input.
     """
@@ -151,8 +152,7 @@ def _summary(checked: CheckedPath) -> Iterator[str]:
     unit = f" {checked.design.unit}" if checked.design.unit else ""
     turns = checked.turns()
     if not np.all(np.isnan(report.lci)):
-        # between them the indices may be less: that is what a denser path is for
-        yield "at the points:" if report.feasible else "at the points before the fault:"
+        yield f"inputs at the points{'' if report.feasible else ' before the fault'}:"
     for number, angles in enumerate(np.degrees(report.inputs).T):
         low, high = checked.least(angles), checked.least(-angles)
         if low is None or high is None:
@@ -162,18 +162,24 @@ def _summary(checked: CheckedPath) -> Iterator[str]:
             f"θ{number + 1:<9} {angles[low] + 0.0:.2f} deg ({_point(checked, low)}) to "
             f"{angles[high] + 0.0:.2f} deg ({_point(checked, high)}){gain}"
         )
-    for label, values, form in (("LCI", report.lci, ".4f"), ("distance", report.distances, ".5g")):
-        corner = checked.least(values)
-        if corner is None:
-            continue
-        x, y = report.points[corner]
-        what = f"{values[corner]:{form}}"
-        if label == "distance":
-            what += f"{unit} from {report.nearest[corner]}"
-        place = f"({_length(x, checked)}, {_length(y, checked)}){unit}"
-        yield f"{label:<10} least {what} ({_point(checked, corner)}, {place})"
+    if checked.extremes is not None:
+        yield "on the whole path:"
+        for label, least, form in zip(
+            ("LCI", "distance"), checked.extremes, (".4f", ".5g"), strict=True
+        ):
+            what = f"{least.value:{form}}" + (unit if label == "distance" else "")
+            place = ", ".join(_length(each, checked) for each in least.position)
+            yield f"{label:<10} least {what} ({_whereabouts(checked, least)}, ({place}){unit})"
     if not np.all(np.isnan(report.lci)):
         yield ""
+
+
+def _whereabouts(checked: CheckedPath, least: PathLeast) -> str:
+    """Return on which point, or between which points, something is least."""
+    start, end = checked.number(least.segment), checked.number(least.segment + 1)
+    if least.share in (0.0, 1.0) or len(checked.report.points) == 1:
+        return f"point {end if least.share == 1.0 else start}"
+    return f"between point {start} and point {end}"
 
 
 def _point(checked: CheckedPath, corner: int) -> str:

@@ -129,6 +129,26 @@ class PathFault:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class PathLeast:
+    """Where something is least on a path, between its corners too.
+
+    Attributes
+    ----------
+    value
+        The least value.
+    segment, share
+        Number of the straight segment from 0, and where on it, from 0 to 1.
+    position
+        The point.
+    """
+
+    value: float
+    segment: int
+    share: float
+    position: Point
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class PathReport:
     """Whether a path of straight segments can be followed in one mode pair, and how well.
 
@@ -356,6 +376,25 @@ class PlanarDesign(ABC):
             If the path has no points or one that is not finite.
         """
 
+    @abstractmethod
+    def least_on_path(self, points: FloatArray, mode: str) -> tuple[PathLeast, PathLeast]:
+        """Return the least LCI and the least distance from a singular locus on a path.
+
+        Between its corners too.
+
+        Parameters
+        ----------
+        points
+            Corners of a path that can be followed, shape (n, 2).
+        mode
+            Mode pair.
+
+        Raises
+        ------
+        InputError
+            If the path cannot be followed: there both go to 0.
+        """
+
 
 class ScaledDesign(PlanarDesign):
     """A non-dimensional design as the machine with lengths times the dimensional factor.
@@ -490,7 +529,22 @@ class ScaledDesign(PlanarDesign):
                 unit=self.unit,
             )
         return dataclasses.replace(
-            report, points=points, distances=self.factor * report.distances, fault=fault
+            report,
+            points=points,
+            distances=self.factor * report.distances,
+            fault=fault,
+        )
+
+    def least_on_path(self, points: FloatArray, mode: str) -> tuple[PathLeast, PathLeast]:
+        """Return the least LCI and the least distance from a singular locus on a path."""
+        lci, distance = self._design.least_on_path(np.divide(points, self.factor), mode)
+        return (
+            dataclasses.replace(lci, position=self._out(lci.position)),
+            dataclasses.replace(
+                distance,
+                value=self.factor * distance.value,
+                position=self._out(distance.position),
+            ),
         )
 
     def _out(self, point: Point) -> Point:

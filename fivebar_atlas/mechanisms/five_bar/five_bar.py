@@ -36,10 +36,11 @@ from fivebar_atlas.mechanisms.five_bar.mechanism import (
     mode_signs,
 )
 from fivebar_atlas.mechanisms.five_bar.outline import UsableWorkspace, usable_workspace_of
+from fivebar_atlas.mechanisms.five_bar.path import check_path, least_on_path
 from fivebar_atlas.mechanisms.five_bar.poses import forward_poses, inverse_poses, pose_at
 from fivebar_atlas.mechanisms.five_bar.singularity import change_point_cases
 from fivebar_atlas.mechanisms.five_bar.workspace import theoretical_area
-from fivebar_atlas.mechanisms.planar import PathReport, PlanarDesign, Pose
+from fivebar_atlas.mechanisms.planar import PathLeast, PathReport, PlanarDesign, Pose
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
 _MECHANISM = FiveBarMechanism()
@@ -464,10 +465,25 @@ class FiveBar(PlanarDesign):
         InputError
             If there are no points, or one is not finite.
         """
-        from fivebar_atlas.mechanisms.five_bar.path import check_path
-
         signs = mode_signs(_MECHANISM.parse_mode(mode))
         return check_path(self._lengths, signs, np.asarray(points, dtype=np.float64))
+
+    def least_on_path(
+        self, points: npt.ArrayLike, mode: str = "+-/up"
+    ) -> tuple[PathLeast, PathLeast]:
+        """Return the least LCI and the least distance from a singular locus on a path.
+
+        Between its corners, shape (n, 2), too.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode pair.
+        InputError
+            If the path cannot be followed: there both go to 0.
+        """
+        signs = mode_signs(_MECHANISM.parse_mode(mode))
+        return least_on_path(self._lengths, signs, np.asarray(points, dtype=np.float64))
 
     def evaluate(
         self,
