@@ -5,10 +5,10 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from fivebar_atlas.errors import FileError, FileUsageError
+from fivebar_atlas.errors import FileError, FileUsageError, InputError
 
 #: Faults of a full disk: no space, quota used up, size limit of a file reached.
 _FULL = {
@@ -50,6 +50,28 @@ def check_output(path: Path, overwrite: bool) -> None:
             raise FileError(path, f"the folder {folder} is not writable")
     except OSError as error:
         raise unwritable(path, error) from None
+
+
+def checked_ending(path: Path, endings: Collection[str]) -> str:
+    """Return the ending of a file name, which decides the format, in small letters.
+
+    Parameters
+    ----------
+    path
+        The file.
+    endings
+        The endings there are formats for, without the dot.
+
+    Raises
+    ------
+    InputError
+        If the ending is none of them.
+    """
+    ending = path.suffix.lower().removeprefix(".")
+    if ending not in endings:
+        known = ", ".join(f".{name}" for name in endings)
+        raise InputError("output", str(path), f"a file name that ends in one of {known}")
+    return ending
 
 
 def check_is_no_input(path: Path, source: Path) -> None:

@@ -339,7 +339,7 @@ def test_parallel_singularity_is_named(refused: Callable[..., str], tmp_path: Pa
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("-o", "a.png"), "a file name that ends in .gif or .mp4"),
+        (("-o", "a.png"), "a file name that ends in one of .gif, .mp4"),
         (("-o", "there.gif"), "there.gif: exists already; --overwrite replaces it"),
         (("-o", "a.gif", "--data", "there.gif"), "there.gif: exists already"),
         (("-o", "no/a.gif"), "the folder no does not exist"),

@@ -465,6 +465,9 @@ def test_empty_workspaces_are_crosses_and_the_key_says_so() -> None:
     assert "usable workspace empty" not in written(
         draw(shape_cells(FIVE_BAR, "surrounded", "+-/up", 50))
     )
+    text = written(draw(loci_cells(FIVE_BAR, "surrounded", "++", 50)))
+    assert "no locus bounds a workspace" in text
+    assert "usable workspace empty" not in text
 
 
 def test_base_joints_are_marked_where_the_inner_reach_circles_are_points() -> None:

@@ -25,7 +25,7 @@ from fivebar_atlas.errors import FileError, InputError
 from fivebar_atlas.figures import style
 from fivebar_atlas.figures.animation import PathAnimation
 from fivebar_atlas.figures.linkage import plain
-from fivebar_atlas.output_file import atomic_output, check_output
+from fivebar_atlas.output_file import atomic_output, check_output, checked_ending
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -63,22 +63,24 @@ def check_animation_output(path: Path, frame_rate: int, overwrite: bool = False)
         If the folder is missing or not writable, the file exists already, or what writes
         the format is not installed.
     """
-    if _format(path) not in FORMATS:
-        endings = " or ".join(f".{name}" for name in FORMATS)
-        raise InputError("output", str(path), f"a file name that ends in {endings}")
+    checked_ending(path, FORMATS)
     least, most = FRAME_RATE_RANGE
     if not least <= frame_rate <= most:
         raise InputError("fps", frame_rate, f"frames a second from {least} to {most}")
     check_output(path, overwrite)
     with style.styled():
-        is_writable = _format(path) != "mp4" or FFMpegWriter.isAvailable()
+        is_writable = checked_ending(path, FORMATS) != "mp4" or FFMpegWriter.isAvailable()
     if not is_writable:
         raise FileError(path, "MP4 needs ffmpeg, which is not found; install it, or write a .gif")
 
 
 def frame_seconds(path: Path, frame_rate: int) -> float:
     """Return how long a frame is shown: in a GIF file whole hundredths of a second."""
-    return round(100 / frame_rate) / 100 if _format(path) == "gif" else 1.0 / frame_rate
+    return (
+        round(100 / frame_rate) / 100
+        if checked_ending(path, FORMATS) == "gif"
+        else 1.0 / frame_rate
+    )
 
 
 def save_animation(
@@ -115,7 +117,7 @@ def save_animation(
     with style.styled(), _drawn(animation) as draw, atomic_output(path, overwrite) as temporary:
         screen = _Screen(draw(0))
         writer: FFMpegWriter | PillowWriter
-        if _format(path) == "gif":
+        if checked_ending(path, FORMATS) == "gif":
             _check_memory(len(animation), screen.pixels)
             shown = np.linspace(0, len(animation) - 1, _PALETTE_FRAMES).astype(int)
             seconds = frame_seconds(path, frame_rate)
@@ -305,7 +307,3 @@ def _palettes(sample: Pixels) -> tuple[Image.Image, list[int]]:
 
 def _image(pixels: Pixels) -> Image.Image:
     return Image.fromarray(np.ascontiguousarray(pixels[:, :, :3]))
-
-
-def _format(path: Path) -> str:
-    return path.suffix.lower().removeprefix(".")

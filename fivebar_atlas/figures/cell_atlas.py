@@ -242,7 +242,9 @@ def _key(cells: Sequence[DesignCell]) -> list[KeyEntry]:
         entries.insert(0, KeyEntry("usable workspace", look))
     entries += [mark.entry for mark in marked_points((), _isolated_points(cells))]
     if not all(cell.lines for cell in cells):
-        entries.append(KeyEntry("usable workspace empty", _cross(3.0) | {"markevery": [1]}))
+        has_workspaces = any(cell.loops for cell in cells)
+        text = "usable workspace empty" if has_workspaces else "no locus bounds a workspace"
+        entries.append(KeyEntry(text, _cross(3.0) | {"markevery": [1]}))
     return entries
 
 

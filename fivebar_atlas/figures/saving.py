@@ -12,9 +12,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from fivebar_atlas.errors import InputError
 from fivebar_atlas.figures import style
-from fivebar_atlas.output_file import atomic_output, check_output
+from fivebar_atlas.output_file import atomic_output, check_output, checked_ending
 
 #: Metadata of each format: what would carry a date is left out.
 _METADATA: dict[str, dict[str, Any]] = {
@@ -43,9 +42,7 @@ def check_figure_output(path: Path, overwrite: bool = False) -> None:
     FileUsageError, FileError
         If the folder is missing or not writable, or the file exists already.
     """
-    if path.suffix.lower().removeprefix(".") not in FORMATS:
-        endings = ", ".join(f".{name}" for name in FORMATS)
-        raise InputError("output", str(path), f"a file name that ends in one of {endings}")
+    checked_ending(path, FORMATS)
     check_output(path, overwrite)
 
 
@@ -73,7 +70,7 @@ def save_figure(
         If the file cannot be written or exists already.
     """
     check_figure_output(path, overwrite)
-    picture = rendered(figure, path.suffix.lower().removeprefix("."), resolution)
+    picture = rendered(figure, checked_ending(path, FORMATS), resolution)
     with atomic_output(path, overwrite) as temporary:
         temporary.write_bytes(picture)
 

@@ -10,7 +10,7 @@ from fivebar_atlas.geometry_files.csv_points import csv_text
 from fivebar_atlas.geometry_files.design_geometry import DesignGeometry
 from fivebar_atlas.geometry_files.dxf_drawing import dxf_text
 from fivebar_atlas.geometry_files.svg_drawing import svg_text
-from fivebar_atlas.output_file import atomic_output, check_output
+from fivebar_atlas.output_file import atomic_output, check_output, checked_ending
 
 _DXF = "dxf"
 _WRITERS: dict[str, Callable[[DesignGeometry, float], str]] = {
@@ -43,10 +43,7 @@ def check_geometry_output(path: Path, overwrite: bool = False) -> None:
         If the folder is missing or not writable, the file exists already, or what the
         format needs is not installed.
     """
-    ending = _ending(path)
-    if ending not in FORMATS:
-        endings = ", ".join(f".{name}" for name in FORMATS)
-        raise InputError("output", str(path), f"a file name that ends in one of {endings}")
+    ending = checked_ending(path, FORMATS)
     check_output(path, overwrite)
     if ending == _DXF:
         try:
@@ -92,10 +89,6 @@ def write_geometry(
     check_deviation(deviation)
     if geometry.is_empty:
         raise FileError(path, f"there is nothing to write: {geometry.absence}")
-    text = _WRITERS[_ending(path)](geometry, deviation * geometry.design.factor)
+    text = _WRITERS[checked_ending(path, FORMATS)](geometry, deviation * geometry.design.factor)
     with atomic_output(path, overwrite) as temporary:
         temporary.write_bytes(text.encode())
-
-
-def _ending(path: Path) -> str:
-    return path.suffix.lower().removeprefix(".")
