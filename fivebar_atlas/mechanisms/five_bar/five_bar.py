@@ -36,7 +36,8 @@ from fivebar_atlas.mechanisms.five_bar.mechanism import (
     mode_signs,
 )
 from fivebar_atlas.mechanisms.five_bar.outline import UsableWorkspace, usable_workspace_of
-from fivebar_atlas.mechanisms.five_bar.path import check_path, least_on_path
+from fivebar_atlas.mechanisms.five_bar.path import check_path
+from fivebar_atlas.mechanisms.five_bar.path_least import least_on_path
 from fivebar_atlas.mechanisms.five_bar.poses import forward_poses, inverse_poses, pose_at
 from fivebar_atlas.mechanisms.five_bar.singularity import change_point_cases
 from fivebar_atlas.mechanisms.five_bar.workspace import theoretical_area

@@ -24,7 +24,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -49,7 +48,7 @@ from fivebar_atlas.mechanisms.five_bar.loci import (
 from fivebar_atlas.mechanisms.five_bar.outline import UsableWorkspace, usable_workspace_of
 from fivebar_atlas.mechanisms.five_bar.points import elbows_at, inverse_at, lci_at
 from fivebar_atlas.mechanisms.five_bar.singularity import fold_height
-from fivebar_atlas.mechanisms.planar import PathFault, PathLeast, PathReport
+from fivebar_atlas.mechanisms.planar import PathFault, PathReport
 from fivebar_atlas.planar_geometry import Point
 
 #: What comes closer than this to a singular point (lengths sum to 3) counts as on it.
@@ -64,10 +63,6 @@ _BLOCK = 4096
 # Golden sections, with which the least value of sin γ is closed in on.
 _GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))
 _GOLDEN_STEPS = 80
-# Way between samples where least values are looked for, and how many there are at most; the
-# lowest ones that are closed in on; steps.
-_SPACING, _MOST_SAMPLES = 5e-3, 100_000
-_LOWS, _LEAST_STEPS = 8, 48
 # How far the polyline that stands for an arc in bounding boxes may leave it.
 _DEVIATION = 1e-2
 
@@ -112,7 +107,7 @@ def check_path(lengths: Lengths, signs: Signs, points: npt.ArrayLike) -> PathRep
     InputError
         If there are no points, or not two finite coordinates for each.
     """
-    corners = _corners(points)
+    corners = checked_corners(points)
     workspace = usable_workspace_of(lengths, signs)
     fault = _fault_at_start(lengths, signs, workspace, corners[0])
     if fault is not None:
@@ -126,31 +121,9 @@ def check_path(lengths: Lengths, signs: Signs, points: npt.ArrayLike) -> PathRep
     if workspace is not None and followed > 0:
         reached = corners[:followed]
         inputs[:followed] = _input_angles(lengths, signs, reached)
-        lci_at(*lengths, *_columns(reached), float(signs[0]), float(signs[1]), lci[:followed])
-        distances[:followed], nearest[:followed] = _distances(lengths, workspace, reached)
+        lci_at(*lengths, *columns(reached), float(signs[0]), float(signs[1]), lci[:followed])
+        distances[:followed], nearest[:followed] = boundary_distances(lengths, workspace, reached)
     return PathReport(mode_label(signs), corners, inputs, lci, distances, tuple(nearest), fault)
-
-
-def least_on_path(
-    lengths: Lengths, signs: Signs, points: npt.ArrayLike
-) -> tuple[PathLeast, PathLeast]:
-    """Return the least LCI and the least distance from a singular locus on a path.
-
-    Between its corners too; parameters and exceptions are those of :func:`check_path`.
-
-    Raises
-    ------
-    InputError
-        If the path cannot be followed: there both go to 0.
-    """
-    corners = _corners(points)
-    workspace = usable_workspace_of(lengths, signs)
-    if workspace is None or check_path(lengths, signs, corners).fault is not None:
-        raise InputError("points", len(corners), f"a path that {mode_label(signs)} can follow")
-    return (
-        _least_along(corners, lambda places: _lci(lengths, signs, places)),
-        _least_along(corners, lambda places: _distances(lengths, workspace, places)[0]),
-    )
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -188,7 +161,7 @@ def _regularity(lengths: Lengths, signs: Signs, points: FloatArray) -> _Regulari
     r1, r2, r3 = lengths
     x, y = points[..., 0], points[..., 1]
     elbows = np.empty((x.size, 4))
-    elbows_at(*lengths, *_columns(points), float(signs[0]), float(signs[1]), elbows)
+    elbows_at(*lengths, *columns(points), float(signs[0]), float(signs[1]), elbows)
     b1x, b1y, b2x, b2y = elbows.T.reshape(4, *x.shape)
     slack = []
     slope_x, slope_y, rounding = np.zeros(x.shape), np.zeros(x.shape), np.ones(x.shape)
@@ -534,7 +507,7 @@ def _fault(
         else:
             elbows = np.empty((1, 4))
             s1, s2, _ = signs
-            elbows_at(*lengths, *_columns(np.array([position])), float(s1), float(s2), elbows)
+            elbows_at(*lengths, *columns(np.array([position])), float(s1), float(s2), elbows)
             # where r1 = r3 both are one
             low = elbows[0, 1] < 0.0 and lengths[0] > lengths[2]
             curve = FOLD_DOWN if low else FOLD_UP
@@ -551,7 +524,7 @@ def _input_angles(lengths: Lengths, signs: Signs, corners: FloatArray) -> FloatA
     """
     r1, r2, r3 = lengths
     principal = np.empty((2, len(corners)))
-    inverse_at(*lengths, *_columns(corners), float(signs[0]), float(signs[1]), *principal)
+    inverse_at(*lengths, *columns(corners), float(signs[0]), float(signs[1]), *principal)
     for leg, base in enumerate((-r3, r3)):
         x, y = corners[:, 0] - base, corners[:, 1]
         turns = np.arctan2(x[:-1] * y[1:] - y[:-1] * x[1:], x[:-1] * x[1:] + y[:-1] * y[1:])
@@ -567,7 +540,7 @@ def _input_angles(lengths: Lengths, signs: Signs, corners: FloatArray) -> FloatA
     return principal.T
 
 
-def _distances(
+def boundary_distances(
     lengths: Lengths, workspace: UsableWorkspace, points: FloatArray
 ) -> tuple[FloatArray, list[str]]:
     """Return how far points of a workspace are from its boundary, and the name of what is next.
@@ -593,55 +566,6 @@ def _distances(
     return gaps, [names[place] for place in places]
 
 
-def _lci(lengths: Lengths, signs: Signs, points: FloatArray) -> FloatArray:
-    """Return the LCI at points, shape (n, 2)."""
-    values = np.empty(len(points))
-    lci_at(*lengths, *_columns(points), float(signs[0]), float(signs[1]), values)
-    return values
-
-
-def _least_along(corners: FloatArray, function: Callable[[FloatArray], FloatArray]) -> PathLeast:
-    """Return where a continuous function is least on a path, between its corners too.
-
-    The path is sampled; next to every sample that is lower than its neighbours, and among the
-    lowest, golden sections close in on the least value.
-    """
-    run = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
-    spacing = max(_SPACING, float(run[-1]) / _MOST_SAMPLES)
-    inner = np.linspace(0.0, run[-1], int(run[-1] / spacing) + 2)[1:-1]
-    samples = np.union1d(run, inner)
-
-    def at(places: FloatArray) -> FloatArray:
-        return np.column_stack([np.interp(places, run, column) for column in corners.T])
-
-    values = function(at(samples))
-    padded = np.pad(values, 1, constant_values=np.inf)
-    lows = np.flatnonzero((values <= padded[:-2]) & (values <= padded[2:]))
-    lows = lows[np.argsort(values[lows], kind="stable")][:_LOWS]
-    low, high = samples[np.maximum(lows - 1, 0)], samples[np.minimum(lows + 1, len(samples) - 1)]
-    left, right = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
-    at_left, at_right = function(at(left)), function(at(right))
-    for _ in range(_LEAST_STEPS):
-        leftward = at_left < at_right
-        low, high = np.where(leftward, low, left), np.where(leftward, right, high)
-        fresh = np.where(leftward, low + _GOLDEN * (high - low), high - _GOLDEN * (high - low))
-        at_fresh = function(at(fresh))
-        left, right = np.where(leftward, fresh, right), np.where(leftward, left, fresh)
-        at_left, at_right = (
-            np.where(leftward, at_fresh, at_right),
-            np.where(leftward, at_left, at_fresh),
-        )
-    places = np.concatenate([samples[lows], left])
-    found = np.concatenate([values[lows], at_left])
-    best = int(np.argmin(found))
-    place = float(places[best])
-    segment = min(int(np.searchsorted(run, place, side="right")) - 1, max(len(corners) - 2, 0))
-    length = float(run[segment + 1] - run[segment]) if len(corners) > 1 else 0.0
-    share = min(max((place - float(run[segment])) / length, 0.0), 1.0) if length > 0.0 else 0.0
-    x, y = at(np.array([place]))[0]
-    return PathLeast(float(found[best]), segment, share, (float(x), float(y)))
-
-
 def _keep_nearer(
     gaps: FloatArray,
     places: npt.NDArray[np.int64],
@@ -655,13 +579,13 @@ def _keep_nearer(
     places[part] = np.where(nearer, place, places[part])
 
 
-def _columns(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+def columns(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the coordinates of points, shape (..., 2), as two flat arrays."""
     flat = points.reshape(-1, 2)
     return np.ascontiguousarray(flat[:, 0]), np.ascontiguousarray(flat[:, 1])
 
 
-def _corners(points: npt.ArrayLike) -> FloatArray:
+def checked_corners(points: npt.ArrayLike) -> FloatArray:
     """Return the corners of a path as an array, shape (n, 2)."""
     corners = np.array(points, dtype=np.float64)
     if corners.ndim != 2 or corners.shape[1] != 2 or not len(corners):
