@@ -33,11 +33,11 @@ from fivebar_atlas.synthesis.shapes import Shape
 ON_AXIS, FREE = "axis", "free"
 
 #: By which share the machine is larger than the one that the shape touches, for the proof;
-#: ten or forty times that in the rare case that the proof would take too long.
-ALLOWANCE = 1e-8
+#: ten or a hundred times that in the rare case that the proof would take too long.
+ALLOWANCE = 1e-9
 
 # Allowances that are tried, and the squares of one size that their proofs may take.
-_PATIENCE = ((ALLOWANCE, 400_000), (10.0 * ALLOWANCE, 400_000), (40.0 * ALLOWANCE, 6_000_000))
+_PATIENCE = ((ALLOWANCE, 400_000), (10.0 * ALLOWANCE, 400_000), (100.0 * ALLOWANCE, 6_000_000))
 # Positions along the axis, and about so many in the plane.
 _AXIS_POSITIONS, _FREE_POSITIONS = 401, 1200
 # Samples of a shape in a scan of positions, ratio and number of scales, and halvings.

@@ -300,6 +300,7 @@ def size_for_area(
     unit: str = "mm",
     ranges: Sequence[ActuatorRange] = (),
     limits: Sequence[LinkLimit] = (),
+    factor_step: float | None = None,
 ) -> Machine:
     """Return the machine whose good-condition workspace has an area (Eq. 34).
 
@@ -319,12 +320,14 @@ def size_for_area(
         Unit of lengths.
     ranges, limits
         What actuators and links allow.
+    factor_step
+        D is rounded up to a multiple of this; the area then is larger than asked for.
 
     Raises
     ------
     InputError
-        If the area is not positive and finite, the threshold not in (0, 1), or there is no such
-        input.
+        If the area or the step is not positive and finite, the threshold not in (0, 1), or there
+        is no such input.
     UnknownNameError
         If there is no such mode pair or link.
     InfeasibleSizeError
@@ -339,6 +342,7 @@ def size_for_area(
     {'R1': 5.756, 'R2': 7.735, 'R3': 0.0}
     """
     _check_positive("area", area)
+    _check_step(factor_step)
     good = _good(design, mode, lci_threshold, ranges)
     parts = design.good_condition_workspace(lci_threshold, good.mode)
     if not parts:
@@ -349,13 +353,14 @@ def size_for_area(
     if len(parts) > 1:
         # The share comes from polygons, whose areas are off by what the chords cut off.
         error = share * error + abs(sum(part.area for part in parts) - whole)
-    factor = math.sqrt(area / largest)
+    exact = math.sqrt(area / largest)
+    factor = exact if factor_step is None else _rounded_up(exact, factor_step)
     workspace = PracticalWorkspace.of_region(good, parts[0])
     machine = Machine(
         good=good,
         unit=unit,
         factor=factor,
-        factor_error=0.5 * factor * error / largest,
+        factor_error=0.5 * exact * error / largest if factor_step is None else 0.0,
         workspace=workspace,
         shape=None,
         fit=None,
@@ -376,6 +381,7 @@ def size_for_shape(
     placement: str | Point = ON_AXIS,
     ranges: Sequence[ActuatorRange] = (),
     limits: Sequence[LinkLimit] = (),
+    factor_step: float | None = None,
 ) -> Machine:
     """Return the smallest machine in which a whole shape is in good condition.
 
@@ -396,17 +402,20 @@ def size_for_shape(
         point: it is there, in lengths of the machine.
     ranges, limits
         What actuators and links allow.
+    factor_step
+        D is rounded up to a multiple of this.
 
     Returns
     -------
     Machine
         The shape fits, which is proved, and would not at D (1 - 1e-6) unless the least length
-        of a link decides.
+        of a link or the step decides.
 
     Raises
     ------
     InputError
-        If the threshold is not in (0, 1), an offset is not finite, or there is no such input.
+        If the threshold is not in (0, 1), an offset or the step is not finite, or there is no
+        such input.
     UnknownNameError
         If there is no such mode pair, link or placement.
     InfeasibleSizeError
@@ -422,6 +431,7 @@ def size_for_shape(
     >>> round(machine.factor, 4), round(machine.position[1], 3)
     (48.8714, 75.185)
     """
+    _check_step(factor_step)
     good = _good(design, mode, lci_threshold, ranges)
     if isinstance(placement, str) and placement not in (ON_AXIS, FREE):
         raise UnknownNameError("placement", placement, (ON_AXIS, FREE))
@@ -433,6 +443,8 @@ def size_for_shape(
         (each.least / lengths[each.name.lower()] for each in limits if each.least), default=0.0
     )
     fit = fit_shape(good, shape, placement, least)
+    if factor_step is not None:
+        fit = fit_shape(good, shape, placement, _rounded_up(fit.factor, factor_step))
     workspace = PracticalWorkspace.of_shape(shape, fit.position, 1.0 / fit.factor)
     parts = design.good_condition_workspace(lci_threshold, good.mode)
     machine = Machine(
@@ -567,6 +579,18 @@ def _check_inputs(machine: Machine) -> None:
 def _check_positive(name: str, value: float) -> None:
     if not (math.isfinite(value) and value > 0.0):
         raise InputError(name, value, "a finite number above 0")
+
+
+def _check_step(step: float | None) -> None:
+    if step is not None:
+        _check_positive("factor step", step)
+
+
+def _rounded_up(factor: float, step: float) -> float:
+    """Return the least multiple of a step that is not below a factor."""
+    # a round step is a decimal number, whose multiples are quotients of whole numbers
+    count = math.ceil(factor / step)
+    return count / (1.0 / step) if step < 1.0 else count * step
 
 
 def _signs(count: int) -> FloatArray:

@@ -388,7 +388,9 @@ class FiveBar(PlanarDesign):
         xs, ys, radii = (
             np.ravel(each).astype(np.float64) for each in np.broadcast_arrays(x, y, radius)
         )
-        return bounds_on_discs(self._lengths, xs, ys, radii, *_working_mode(mode))
+        least, turns = np.empty(len(xs)), np.empty((len(xs), 2))
+        bounds_on_discs(*self._lengths, xs, ys, radii, *_working_mode(mode), least, turns)
+        return least, turns
 
     def largest_lci(self, mode: str = "+-/up") -> tuple[float, Point] | None:
         """Return the largest LCI of the usable workspace of a mode pair, and where it is.
