@@ -18,7 +18,8 @@ from fivebar_atlas import FiveBar
 from fivebar_atlas.errors import InfeasibleSizeError
 from fivebar_atlas.mechanisms.five_bar.loci import mode_label
 from fivebar_atlas.synthesis.containment import INSIDE, GoodCondition
-from fivebar_atlas.synthesis.placement import ALLOWANCE, FREE, ON_AXIS, Fit, fit_shape
+from fivebar_atlas.synthesis.placement import FREE, ON_AXIS, Fit, fit_shape
+from fivebar_atlas.synthesis.scale_search import ALLOWANCE
 from fivebar_atlas.synthesis.shapes import Shape
 
 Array = npt.NDArray[np.float64]
