@@ -121,7 +121,7 @@ def fit_shape(
         _points_of_holes(good, [hole for part in polygons for hole in part[1:]]),
     )
     for _ in range(PROOFS):
-        anchor, scale = _best(search, placement, lower, upper)
+        anchor, scale = best_position(search, placement, lower, upper)
         if scale == 0.0:
             raise InfeasibleSizeError(_why_not(search, placement, lower, upper))
         decides = scale < search.limit
@@ -145,10 +145,27 @@ def fit_shape(
     )
 
 
-def _best(
+def best_position(
     search: ScaleSearch, placement: str | Point, lower: FloatArray, upper: FloatArray
 ) -> tuple[FloatArray, float]:
-    """Return the anchor with the largest scale that was found, and that scale, or 0."""
+    """Return where a shape has the largest scale that is found.
+
+    Parameters
+    ----------
+    search
+        The shape, and what is asked of it.
+    placement
+        As for :func:`fit_shape`.
+    lower, upper
+        Corners of a box that its centre lies in, in non-dimensional lengths, shape (2,).
+
+    Returns
+    -------
+    position : ndarray
+        Shape (2,); at an offset, which depends on the scale, the origin.
+    scale : float
+        The scale, 0 where there is none.
+    """
     if search.offset is not None:
         return np.zeros(2), search.largest_at_offset()
     free = placement == FREE

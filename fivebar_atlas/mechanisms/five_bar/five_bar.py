@@ -364,6 +364,10 @@ class FiveBar(PlanarDesign):
         """Return θ1, θ2 in radians, in (-π, π], as one array of shape (..., 2)."""
         return np.stack(self.inverse_kinematics(x, y, mode), axis=-1)
 
+    def moving_joints(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
+        """Return B1 and B2 as one array of shape (..., 2, 2)."""
+        return np.stack(self.elbows(x, y, mode), axis=-2)
+
     def bounds_on_discs(
         self, x: npt.ArrayLike, y: npt.ArrayLike, radius: npt.ArrayLike, mode: str = "+-"
     ) -> tuple[FloatArray, FloatArray]:
