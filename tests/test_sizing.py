@@ -12,8 +12,9 @@ from scipy import ndimage
 from fivebar_atlas import planar_design
 from fivebar_atlas.errors import InfeasibleSizeError, InputError, UnknownNameError
 from fivebar_atlas.synthesis.containment import INSIDE, ActuatorRange
+from fivebar_atlas.synthesis.link_limits import LinkLimit
 from fivebar_atlas.synthesis.shapes import Shape
-from fivebar_atlas.synthesis.sizing import LinkLimit, Machine, size_for_area, size_for_shape
+from fivebar_atlas.synthesis.sizing import Machine, size_for_area, size_for_shape
 
 PAPER = (1.28, 1.72, 0.0)
 SMALL = (1.08, 1.25, 0.67)

@@ -148,8 +148,9 @@ def size(
     from fivebar_atlas import mechanisms
     from fivebar_atlas.output_file import atomic_output, check_output
     from fivebar_atlas.synthesis.containment import ActuatorRange
+    from fivebar_atlas.synthesis.link_limits import LinkLimit
     from fivebar_atlas.synthesis.placement import FREE, ON_AXIS
-    from fivebar_atlas.synthesis.sizing import LinkLimit, size_for_area, size_for_shape
+    from fivebar_atlas.synthesis.sizing import size_for_area, size_for_shape
 
     if output is not None:
         check_output(output, overwrite)

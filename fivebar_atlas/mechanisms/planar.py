@@ -242,7 +242,7 @@ class PlacedExtremes:
     torques
         Largest torque of an input for a unit force, shape (n,).
     lower, upper
-        Corners of the box around all moving joints, shape (n, 2).
+        Corners of the box around all joints and the output, shape (n, 2).
     """
 
     moves: FloatArray
@@ -354,8 +354,8 @@ class PlanarDesign(ABC):
         """
 
     @abstractmethod
-    def moving_joints(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
-        """Return the joints between links at points in a working mode.
+    def joint_positions(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return all joints but the output, base joints too, at points in a working mode.
 
         Shape (n, joints, 2) for n points; NaN out of reach.
         """
@@ -554,10 +554,10 @@ class ScaledDesign(PlanarDesign):
         """Return the input angles at points in a working mode, in (-π, π]."""
         return self._design.inputs(np.divide(x, self.factor), np.divide(y, self.factor), mode)
 
-    def moving_joints(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
-        """Return the joints between links at points in a working mode."""
+    def joint_positions(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return all joints but the output at points in a working mode."""
         x, y = np.divide(x, self.factor), np.divide(y, self.factor)
-        return np.asarray(self.factor * self._design.moving_joints(x, y, mode))
+        return np.asarray(self.factor * self._design.joint_positions(x, y, mode))
 
     def jacobian(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
         """Return J of θ' = J p' at points in a working mode, in radians per length."""

@@ -27,6 +27,13 @@ _FIRST_SQUARES = 24
 # Least side of a square as a share of the shape, and squares that are looked at together.
 _LEAST_SIDE, _BLOCK = 1e-12, 100_000
 
+
+def check_positive(name: str, value: float) -> None:
+    """Raise InputError unless a number is positive and finite."""
+    if not (math.isfinite(value) and value > 0.0):
+        raise InputError(name, value, "a finite number above 0")
+
+
 #: What a proof came to.
 INSIDE, OUTSIDE, UNDECIDED = "inside", "outside", "undecided"
 

@@ -26,7 +26,13 @@ from fivebar_atlas.mechanisms.base import (
 )
 from fivebar_atlas.mechanisms.planar import PlanarDesign, ScaledDesign
 from fivebar_atlas.planar_geometry import Point, Region
-from fivebar_atlas.synthesis.containment import INSIDE, ActuatorRange, GoodCondition
+from fivebar_atlas.synthesis.containment import (
+    INSIDE,
+    ActuatorRange,
+    GoodCondition,
+    check_positive,
+)
+from fivebar_atlas.synthesis.link_limits import LinkLimit, check_limits
 from fivebar_atlas.synthesis.placement import FREE, ON_AXIS, Fit, empty_reason, fit_shape
 from fivebar_atlas.synthesis.practical_workspace import (
     Field,
@@ -39,36 +45,6 @@ from fivebar_atlas.synthesis.shapes import Shape
 _AREA = "good_condition_workspace_area"
 # By how many radians an input may be beyond the range of its actuator: rounding.
 _ROUNDING = 1e-9
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class LinkLimit:
-    """Least and greatest length of a link.
-
-    Attributes
-    ----------
-    name
-        Name of the length: ``"R1"``.
-    least, greatest
-        Limits in lengths of the machine, ``inf`` where there is no greatest.
-
-    Raises
-    ------
-    InputError
-        If a limit is negative or not a number, or the greatest is below the least.
-    """
-
-    name: str
-    least: float
-    greatest: float
-
-    def __post_init__(self) -> None:
-        limits = (self.least, self.greatest)
-        if not (self.least >= 0.0 and math.isfinite(self.least) and self.greatest > 0.0):
-            raise InputError(f"limits of {self.name}", limits, "lengths of 0 or more")
-        if not self.least <= self.greatest:
-            allowed = "a least length that is not above the greatest"
-            raise InputError(f"limits of {self.name}", limits, allowed)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -182,7 +158,7 @@ class Machine:
         InputError
             If the resolution is not positive and finite.
         """
-        _check_positive("encoder resolution", resolution)
+        check_positive("encoder resolution", resolution)
 
         def error(points: FloatArray) -> FloatArray:
             moves = self._moves(points)
@@ -205,7 +181,7 @@ class Machine:
         InputError
             If the force is not positive and finite.
         """
-        _check_positive("force", force)
+        check_positive("force", force)
 
         def torque(points: FloatArray) -> FloatArray:
             return np.asarray(np.linalg.norm(self._moves(points), axis=1).max(axis=1))
@@ -341,7 +317,7 @@ def size_for_area(
     >>> {name: round(length, 3) for name, length in machine.lengths.items()}
     {'R1': 5.756, 'R2': 7.735, 'R3': 0.0}
     """
-    _check_positive("area", area)
+    check_positive("area", area)
     _check_step(factor_step)
     good = _good(design, mode, lci_threshold, ranges)
     parts = design.good_condition_workspace(lci_threshold, good.mode)
@@ -438,7 +414,7 @@ def size_for_shape(
     if not isinstance(placement, str) and not all(map(math.isfinite, placement)):
         raise InputError("offset", placement, "two finite lengths")
     lengths = _named(design)
-    _check_names(lengths, limits)
+    check_limits(lengths, limits)
     least = max(
         (each.least / lengths[each.name.lower()] for each in limits if each.least), default=0.0
     )
@@ -520,20 +496,10 @@ def _plain(symbol: str) -> str:
     return symbol.strip("$").replace("_", "")
 
 
-def _check_names(lengths: dict[str, float], limits: Sequence[LinkLimit]) -> None:
-    """Raise UnknownNameError unless limits are on lengths that there are."""
-    for each in limits:
-        if each.name.lower() not in lengths:
-            raise UnknownNameError("link limit", each.name, [name.upper() for name in lengths])
-        if each.least > 0.0 and lengths[each.name.lower()] == 0.0:
-            allowed = f"no least length, for {each.name} is 0 at every size"
-            raise InputError(f"limits of {each.name}", each.least, allowed)
-
-
 def _check_lengths(machine: Machine, limits: Sequence[LinkLimit]) -> None:
     """Raise InfeasibleSizeError if a length is out of its limits."""
     lengths, unit = machine.lengths, machine.unit
-    _check_names(_named(machine.good.design), limits)
+    check_limits(_named(machine.good.design), limits)
     reasons = []
     share = 1.0
     for each in limits:
@@ -576,14 +542,9 @@ def _check_inputs(machine: Machine) -> None:
         )
 
 
-def _check_positive(name: str, value: float) -> None:
-    if not (math.isfinite(value) and value > 0.0):
-        raise InputError(name, value, "a finite number above 0")
-
-
 def _check_step(step: float | None) -> None:
     if step is not None:
-        _check_positive("factor step", step)
+        check_positive("factor step", step)
 
 
 def _rounded_up(factor: float, step: float) -> float:

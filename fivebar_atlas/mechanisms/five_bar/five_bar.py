@@ -364,9 +364,11 @@ class FiveBar(PlanarDesign):
         """Return θ1, θ2 in radians, in (-π, π], as one array of shape (..., 2)."""
         return np.stack(self.inverse_kinematics(x, y, mode), axis=-1)
 
-    def moving_joints(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
-        """Return B1 and B2 as one array of shape (..., 2, 2)."""
-        return np.stack(self.elbows(x, y, mode), axis=-2)
+    def joint_positions(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
+        """Return A1, A2, B1 and B2 as one array of shape (..., 4, 2)."""
+        b1, b2 = self.elbows(x, y, mode)
+        bases = (np.broadcast_to((base, 0.0), b1.shape) for base in (-self.r3, self.r3))
+        return np.stack([*bases, b1, b2], axis=-2)
 
     def bounds_on_discs(
         self, x: npt.ArrayLike, y: npt.ArrayLike, radius: npt.ArrayLike, mode: str = "+-"

@@ -172,7 +172,7 @@ def extremes_on_samples(
     designs: FloatArray, positions: FloatArray, scales: FloatArray, samples: FloatArray,
     s1: float, s2: float, out: FloatArray,
 ) -> None:  # fmt: skip
-    """Find how far the output moves, what it weighs on, and how far elbows go, on samples.
+    """Find how far the output moves, what it weighs on, and how far joints go, on samples.
 
     Parameters
     ----------
@@ -184,15 +184,14 @@ def extremes_on_samples(
         Working mode as ±1.
     out
         Receives the largest |J⁻¹ (±1, ±1)|, the largest column of J⁻¹ (torque for a unit
-        force), and least and greatest coordinates of elbows, shape (n, EXTREMES); infinite
-        where a sample is singular or out of reach.
+        force), and least and greatest coordinates of all joints and the output, shape
+        (n, EXTREMES); infinite where a sample is singular or out of reach.
     """
     for n in range(len(designs)):
         r1, r2, r3 = designs[n, 0], designs[n, 1], designs[n, 2]
         row = out[n]
         row[:] = 0.0
-        row[LEAST_X] = row[LEAST_Y] = math.inf
-        row[GREATEST_X] = row[GREATEST_Y] = -math.inf
+        row[LEAST_X], row[GREATEST_X] = -r3, r3
         for k in range(len(samples)):
             x = positions[n, 0] + scales[n] * samples[k, 0]
             y = positions[n, 1] + scales[n] * samples[k, 1]
@@ -209,10 +208,10 @@ def extremes_on_samples(
             row[TORQUE] = max(row[TORQUE], math.sqrt(max(u1 * u1 + v1 * v1, u2 * u2 + v2 * v2)))
             e1x, e1y = elbow(r1, r2, -r3, x, y, s1)
             e2x, e2y = elbow(r1, r2, r3, x, y, s2)
-            row[LEAST_X] = min(row[LEAST_X], e1x, e2x)
-            row[GREATEST_X] = max(row[GREATEST_X], e1x, e2x)
-            row[LEAST_Y] = min(row[LEAST_Y], e1y, e2y)
-            row[GREATEST_Y] = max(row[GREATEST_Y], e1y, e2y)
+            row[LEAST_X] = min(row[LEAST_X], e1x, e2x, x)
+            row[GREATEST_X] = max(row[GREATEST_X], e1x, e2x, x)
+            row[LEAST_Y] = min(row[LEAST_Y], e1y, e2y, y)
+            row[GREATEST_Y] = max(row[GREATEST_Y], e1y, e2y, y)
 
 
 def largest_placements(
