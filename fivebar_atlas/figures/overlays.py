@@ -16,6 +16,7 @@ from fivebar_atlas.figures.plotted_data import PlottedData
 from fivebar_atlas.planar_geometry import FloatArray, Point
 
 _OUTLINE: dict[str, Any] = {"color": style.REGION, "linewidth": 1.1, "linestyle": "solid"}
+_DASHES = (0.0, (3.0, 1.5))
 _POINTS: dict[str, Any] = {
     "linestyle": "none",
     "color": style.REGION,
@@ -40,12 +41,15 @@ class Overlay:
         Points on it that are marked.
     points_label
         What they are, for the key.
+    dashed
+        Whether the outline is dashed.
     """
 
     label: str
     outline: FloatArray
     points: tuple[Point, ...] = ()
     points_label: str = ""
+    dashed: bool = False
 
     @property
     def closed(self) -> FloatArray:
@@ -53,9 +57,14 @@ class Overlay:
         return np.vstack([self.outline, self.outline[:1]])
 
     @property
+    def look(self) -> dict[str, Any]:
+        """The look of the outline."""
+        return {**_OUTLINE, "linestyle": _DASHES} if self.dashed else _OUTLINE
+
+    @property
     def entries(self) -> list[KeyEntry]:
         """The entries of the key."""
-        entries = [KeyEntry(self.label, _OUTLINE)]
+        entries = [KeyEntry(self.label, self.look)]
         if self.points:
             entries.append(KeyEntry(self.points_label, {**_POINTS, "markevery": [1]}))
         return entries
@@ -71,7 +80,7 @@ def draw_overlays(
 ) -> None:
     """Draw overlays above curves and below text; the ``gid`` of the first is ``overlay-1``."""
     for number, overlay in enumerate(overlays, start=1):
-        look = {**_OUTLINE, "path_effects": style.halo(2.0), "zorder": REGION_LEVEL}
+        look = {**overlay.look, "path_effects": style.halo(2.0), "zorder": REGION_LEVEL}
         frame.line(overlay.closed, f"overlay-{number}", **look)
         if data is not None:
             data.add(overlay.label, overlay.closed)
