@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from fivebar_atlas.cli.design_figures import lci_map, linkage, workspace
-from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table
+from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table, capitalised
 from fivebar_atlas.errors import InputError
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class _Entry:
     def cells(self) -> tuple[str, str, str, str]:
         """The row of a report."""
         value = self.value.replace("_", " ") if self.is_word else self.value
-        return self.meaning[:1].upper() + self.meaning[1:], value, self.error, self.scaled
+        return capitalised(self.meaning), value, self.error, self.scaled
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

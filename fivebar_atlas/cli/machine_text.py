@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from fivebar_atlas.cli.design_figures import lci_map, linkage, workspace
-from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table
+from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table, capitalised, titled
 
 if TYPE_CHECKING:
     from fivebar_atlas.figures.overlays import Overlay
@@ -108,22 +108,22 @@ class MachineText:
         indices = Table(
             ("Quantity", "Value", "± Error"),
             tuple(
-                (quantity.long_name[:1].upper() + quantity.long_name[1:], value, error)
+                (capitalised(quantity.long_name), value, error)
                 for quantity, value, error in self._indices()
             ),
         )
         found = [
             Section("Choices", rows=choices),
-            Section("Machine", rows=_titled(lengths)),
-            Section("Practical workspace", rows=_titled(self._practical_workspace())),
+            Section("Machine", rows=titled(lengths)),
+            Section("Practical workspace", rows=titled(self._practical_workspace())),
             Section("Indices and areas", tables=(indices,)),
             Section(
                 "Inputs",
                 ("What the actuators turn over in the practical workspace.",),
-                _titled(self._inputs()),
+                titled(self._inputs()),
             ),
         ]
-        if worst := _titled(self._worst_cases()):
+        if worst := titled(self._worst_cases()):
             found.append(Section("Errors and loads", rows=worst))
         return found
 
@@ -267,13 +267,3 @@ def _row_lines(rows: Iterable[Row]) -> Iterator[str]:
 def _line(label: str, value: str, more: str = "") -> str:
     """Return a line of the report."""
     return f"{label:{_LABEL_WIDTH}}{value}{'  ' + more if more else ''}".rstrip()
-
-
-def _titled(rows: Iterable[Row]) -> tuple[Row, ...]:
-    """Return rows whose labels begin with a capital letter, as in a report."""
-    return tuple(
-        dataclasses.replace(row, label=row.label[:1].upper() + row.label[1:])
-        if row.label[1:2].isalpha()
-        else row
-        for row in rows
-    )

@@ -19,7 +19,18 @@ from fivebar_atlas.report.content import Row, Section, Table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Captioned", "ReportSink", "Row", "Run", "Section", "Table", "json_text", "present"]
+__all__ = [
+    "Captioned",
+    "ReportSink",
+    "Row",
+    "Run",
+    "Section",
+    "Table",
+    "capitalised",
+    "json_text",
+    "present",
+    "titled",
+]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -117,3 +128,13 @@ def present(
 def json_text(document: dict[str, Any]) -> str:
     """Return a document as it is printed and written; what does not exist is null."""
     return json.dumps(document, indent=2, allow_nan=False)
+
+
+def titled(rows: Iterable[Row]) -> tuple[Row, ...]:
+    """Return rows as a report shows them, whose labels begin with a capital letter."""
+    return tuple(dataclasses.replace(row, label=capitalised(row.label)) for row in rows)
+
+
+def capitalised(label: str) -> str:
+    """Return a label with a capital letter; a symbol such as ``r1`` or ``θ1`` is as it is."""
+    return label[:1].upper() + label[1:] if label[1:2].isalpha() else label
