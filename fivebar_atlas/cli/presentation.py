@@ -64,7 +64,8 @@ class Run:
     lines
         Returns the lines of the readable table for a terminal.
     sections
-        Returns the same for a report.
+        Returns the same for a report, at least one section: the first one says what was
+        chosen, and the figures come after it.
     figures
         Returns the figures of a report.
     """

@@ -98,10 +98,12 @@ class Report:
         The command that made the report.
     inputs
         What was given to it.
-    sections
-        The results.
+    choices
+        What was chosen where nothing was given.
     pictures
         The figures.
+    sections
+        The results.
     provenance
         What the numbers depend on, and when they were computed.
     document
@@ -112,7 +114,8 @@ class Report:
     summary: str
     command_line: str
     inputs: Section
-    sections: tuple[Section, ...]
+    choices: Section
     pictures: tuple[Picture, ...]
+    sections: tuple[Section, ...]
     provenance: Section
     document: str
