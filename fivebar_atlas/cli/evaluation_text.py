@@ -26,17 +26,19 @@ if TYPE_CHECKING:
 _LABEL_WIDTH = 40
 # Mode pairs that a report draws: each takes two figures.
 _DRAWN = 4
+_UNITS = {1: "D", 2: "D²"}
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class _Entry:
-    """One value: its name, what it is, and the same times the power of D that it has."""
+    """One value: its name, what it is, and the same times the power of D that is its unit."""
 
     label: str
     meaning: str
     value: str
     error: str = ""
     scaled: str = ""
+    unit: str = ""
     is_word: bool = False
 
     @property
@@ -95,10 +97,11 @@ class EvaluationText:
         if not entries:
             return f"{self.mechanism.title}."
         values = " and ".join(
-            f"{entry.meaning} {entry.value} {entry.error}".rstrip() for entry in entries[:2]
+            " ".join(filter(None, (entry.meaning, entry.value, entry.error, entry.unit)))
+            for entry in entries[:2]
         )
-        scaled = "" if self.factor == 1.0 else ", non-dimensional"
-        return f"{self.mechanism.title} in the mode pair {modes[0]}: {values}{scaled}."
+        factor = "" if self.factor == 1.0 else f", with D = {self.factor:.8g}"
+        return f"{self.mechanism.title} in the mode pair {modes[0]}: {values}{factor}."
 
     def lines(self) -> Iterator[str]:
         """Yield the lines of a readable table."""
@@ -206,12 +209,13 @@ class EvaluationText:
             if not math.isfinite(value):
                 yield _Entry(label, meaning, "none")
                 continue
-            error, scaled = "", ""
+            error, scaled, unit = "", "", ""
             if quantity.has_error:
                 error = f"± {self.results[quantity.error_name][index]:.1e}"
             if quantity.length_power and factor != 1.0:
                 scaled = f"{factor**quantity.length_power * value + 0.0:.8g}"
-            yield _Entry(label, meaning, f"{value + 0.0:.8g}", error, scaled)
+                unit = _UNITS.get(quantity.length_power, f"D^{quantity.length_power}")
+            yield _Entry(label, meaning, f"{value + 0.0:.8g}", error, scaled, unit)
 
     def _table(self, entries: Iterator[_Entry]) -> Table:
         """Return entries as a table; its last column is that of the machine."""

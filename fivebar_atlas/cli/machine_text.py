@@ -65,8 +65,8 @@ class MachineText:
         if machine.shape is None:
             return f"With {lengths} {least} in such an area, in the mode pair {good.mode}."
         return (
-            f"With {lengths} {least} in the whole of it, in the mode pair {good.mode}; "
-            "no smaller machine of these proportions has room for it there."
+            f"With {lengths} {least} in the whole of it, in the mode pair {good.mode}. "
+            "It is the smallest such machine of these proportions."
         )
 
     def lines(self) -> Iterator[str]:
@@ -102,7 +102,11 @@ class MachineText:
         )
         meanings = {each.name.upper(): each.long_name for each in mechanism.parameters}
         lengths = [
-            dataclasses.replace(row, note=meanings.get(row.label, row.note))
+            dataclasses.replace(
+                row,
+                error=f"{row.error} {self.machine.unit}" if row.error else "",
+                note=meanings.get(row.label, row.note),
+            )
             for row in self._lengths()
         ]
         indices = Table(
@@ -118,8 +122,8 @@ class MachineText:
             Section("Practical workspace", rows=titled(self._practical_workspace())),
             Section("Indices and areas", tables=(indices,)),
             Section(
-                "Inputs",
-                ("What the actuators turn over in the practical workspace.",),
+                "Actuators",
+                ("The range of each input over the practical workspace.",),
                 titled(self._inputs()),
             ),
         ]

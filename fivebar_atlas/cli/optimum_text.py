@@ -21,6 +21,7 @@ _ROWS = 24
 _WIDTH = 26
 # Maps of quantities that a report draws where there is no region.
 _MAPS = 4
+_SIGNS = {">=": "\N{GREATER-THAN OR EQUAL TO}", "<=": "\N{LESS-THAN OR EQUAL TO}"}
 _NOT_FOUND = "not found: no design evaluated exactly fulfils the conditions"
 
 
@@ -45,7 +46,7 @@ class OptimumText:
     def title(self) -> str:
         """What was looked for."""
         if self.study.candidates.conditions:
-            return f"Designs with {self._conditions}"
+            return f"Designs with {self._spelled_conditions}"
         return f"Best designs of the {self.study.atlas.mechanism.name}"
 
     @property
@@ -129,7 +130,8 @@ class OptimumText:
         figures = []
         if candidates.conditions:
             if self._has_region_figure:
-                text = f"Where {self._conditions} hold, over workspace area and GCI."
+                where = f"Designs with {self._spelled_conditions}"
+                text = f"{where}, over contours of the workspace area and of the GCI."
                 figures.append(Captioned(text, self._draw_region))
         else:
             for name in study.shown[:_MAPS]:
@@ -145,6 +147,15 @@ class OptimumText:
     @property
     def _conditions(self) -> str:
         return ", ".join(self.document["conditions"])
+
+    @property
+    def _spelled_conditions(self) -> str:
+        """The conditions, quantities by what they are."""
+        return " and ".join(
+            f"{self._long_name(each.quantity)} {_SIGNS.get(each.operator, each.operator)} "
+            f"{each.bound:.10g}"
+            for each in self.study.candidates.conditions
+        )
 
     @property
     def _is_met(self) -> bool:

@@ -143,13 +143,12 @@ def _inputs(context: click.Context, parameters: list[click.Parameter]) -> Iterat
         source = context.get_parameter_source(str(each.name))
         if source is click.core.ParameterSource.DEFAULT:
             continue
-        label = each.opts[-1]
-        note = ""
+        text = _value_text(value, is_repeated=each.multiple)
         if isinstance(each, click.Option):
-            note = each.help or ""
+            name = next(name for name in each.opts if name.startswith("--"))
+            yield Row(name, text, note=each.help or "")
         else:
-            label = each.make_metavar(context)
-        yield Row(label, _value_text(value, is_repeated=each.multiple), note=note)
+            yield Row(each.make_metavar(context), text)
 
 
 def _value_text(value: Any, is_repeated: bool) -> str:

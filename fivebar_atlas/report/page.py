@@ -14,7 +14,9 @@ from fivebar_atlas.report.inline_svg import inline_svg
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 _NUMBER = re.compile(r"(± ?)?[-−]?\d\S*( (±|[^\d\s]+$).*)?|none|")
 # Tables with more columns are scrolled on a narrow screen, others stacked.
-_STACKED = 4
+_STACKED = 5
+# Tables with more rows may go on on the next sheet of paper.
+_WHOLE = 20
 
 
 def page(report: Report) -> str:
@@ -39,7 +41,7 @@ def _lines(report: Report) -> Iterator[str]:
     yield "<header>"
     yield '<p class="kind">fivebar-atlas report</p>'
     yield f"<h1>{title}</h1>"
-    yield f'<p class="summary">{escape(report.summary)}</p>'
+    yield f'<p class="summary">{_text(report.summary)}</p>'
     yield "</header>"
     before = [report.inputs, report.choices]
     after = [*report.sections, report.provenance]
@@ -70,6 +72,14 @@ def _lines(report: Report) -> Iterator[str]:
     yield "</html>"
 
 
+def _text(text: str) -> str:
+    """Return text of which no line ends at the hyphen of a mode, an option or a number."""
+    return " ".join(
+        f'<span class="word">{escape(word)}</span>' if "-" in word else escape(word)
+        for word in text.split(" ")
+    )
+
+
 def _contents(before: list[Section], after: list[Section], has_figures: bool) -> Iterator[str]:
     """Yield the links to all sections."""
     links = [(f"section-{number}", each.heading) for number, each in enumerate(before, start=1)]
@@ -82,7 +92,7 @@ def _contents(before: list[Section], after: list[Section], has_figures: bool) ->
     yield '<nav aria-label="Contents">'
     yield "<ul>"
     for target, heading in [*links, ("data", "Data")]:
-        yield f'<li><a href="#{target}">{escape(heading)}</a></li>'
+        yield f'<li><a href="#{target}">{_text(heading)}</a></li>'
     yield "</ul>"
     yield "</nav>"
 
@@ -90,11 +100,11 @@ def _contents(before: list[Section], after: list[Section], has_figures: bool) ->
 def _section(section: Section, identifier: str, command: str = "") -> Iterator[str]:
     """Yield a section: heading, sentences, a command, rows, tables."""
     yield f'<section id="{identifier}">'
-    yield f"<h2>{escape(section.heading)}</h2>"
+    yield f"<h2>{_text(section.heading)}</h2>"
     for sentence in section.sentences:
-        yield f"<p>{escape(sentence)}</p>"
+        yield f"<p>{_text(sentence)}</p>"
     if command:
-        yield f'<pre class="command"><code>{escape(command)}</code></pre>'
+        yield f'<pre class="command"><code>{_text(command)}</code></pre>'
     if section.rows:
         yield '<table class="rows">'
         yield "<tbody>"
@@ -109,12 +119,12 @@ def _section(section: Section, identifier: str, command: str = "") -> Iterator[s
 
 def _row(row: Row) -> str:
     """Return one value with what it is."""
-    parts = [f'<span class="value">{escape(row.value)}</span>']
+    parts = [f'<span class="value">{_text(row.value)}</span>']
     if row.error:
         parts.append(f'<span class="error">{escape(row.error)}</span>')
     if row.note:
-        parts.append(f'<span class="note">{escape(row.note)}</span>')
-    head = f'<th scope="row">{escape(row.label)}</th>' if row.label else "<td></td>"
+        parts.append(f'<span class="note">{_text(row.note)}</span>')
+    head = f'<th scope="row">{_text(row.label)}</th>' if row.label else "<td></td>"
     return f"<tr>{head}<td>{' '.join(parts)}</td></tr>"
 
 
@@ -126,7 +136,8 @@ def _table(table: Table, name: str) -> Iterator[str]:
         place > 0 and any(cell and _NUMBER.fullmatch(cell) for cell in column)
         for place, column in enumerate(columns)
     ]
-    yield f'<div class="scroll" tabindex="0" role="group" aria-label="{escape(name)}">'
+    whole = " whole" if len(table.rows) <= _WHOLE else ""
+    yield f'<div class="scroll{whole}" tabindex="0" role="group" aria-label="{escape(name)}">'
     yield f'<table class="numbers{stacked}">'
     if table.caption:
         yield f"<caption>{escape(table.caption)}</caption>"
@@ -155,6 +166,6 @@ def _figure(picture: Picture, number: int) -> Iterator[str]:
     """Yield a figure with its caption."""
     yield f'<figure id="figure-{number}">'
     yield inline_svg(picture.svg, f"figure-{number}-", picture.caption)
-    caption = escape(picture.caption)
+    caption = _text(picture.caption)
     yield f"<figcaption><b>Figure {number}.</b> {caption}</figcaption>"
     yield "</figure>"
