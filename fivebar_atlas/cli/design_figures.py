@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fivebar_atlas.cli.presentation import Captioned
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from fivebar_atlas.figures.overlays import Overlay
     from fivebar_atlas.mechanisms.planar import PlanarDesign
     from fivebar_atlas.planar_geometry import Point
@@ -28,7 +26,7 @@ def workspace(design: PlanarDesign, mode: str, overlays: Sequence[Overlay] = ())
         What is drawn into it.
     """
 
-    def draw() -> Figure:
+    def draw() -> Any:
         from fivebar_atlas.figures.workspace_figure import workspace_figure
 
         return workspace_figure(design, mode, overlays=overlays)
@@ -59,7 +57,7 @@ def lci_map(
         What is drawn into it.
     """
 
-    def draw() -> Figure:
+    def draw() -> Any:
         from fivebar_atlas.figures.lci_figure import lci_figure
 
         return lci_figure(design, mode, lci_threshold, overlays=overlays)
@@ -83,7 +81,7 @@ def linkage(design: PlanarDesign, mode: str, at: Point | None = None) -> Caption
         Where the output point is; None for a place well inside the usable workspace.
     """
 
-    def draw() -> Figure:
+    def draw() -> Any:
         from fivebar_atlas.figures.linkage import sample_pose
         from fivebar_atlas.figures.linkage_figure import linkage_figure
 
@@ -98,5 +96,6 @@ def linkage(design: PlanarDesign, mode: str, at: Point | None = None) -> Caption
 
 def _caption(text: str, design: PlanarDesign, overlays: Sequence[Overlay] = ()) -> str:
     """Return a caption that says what is drawn into the figure, and the unit."""
-    within = "".join(f", with the {overlay.label}" for overlay in overlays)
+    within = " and the ".join(overlay.label for overlay in overlays)
+    within = f", with the {within}" if within else ""
     return f"{text}{within}." + (f" Lengths are in {design.unit}." if design.unit else "")

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from fivebar_atlas.store import Atlas
     from fivebar_atlas.synthesis.candidates import Candidates
     from fivebar_atlas.synthesis.conditions import Condition
@@ -22,7 +20,7 @@ def draw_region(
     mode: str | None,
     lci: float | None,
     **drawing: Any,
-) -> Figure:
+) -> Any:
     """Return the region of conditions over area and GCI; ``drawing`` may have a width."""
     from fivebar_atlas.figures.atlas_figures import region_figure
 
@@ -31,7 +29,7 @@ def draw_region(
 
 def draw_front(
     candidates: Candidates, front: ParetoFront, in_design_space: bool, **drawing: Any
-) -> Figure:
+) -> Any:
     """Return the front of two quantities over their values, or in the design space."""
     from fivebar_atlas.figures.atlas_figures import front_figure
 

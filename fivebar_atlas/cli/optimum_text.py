@@ -12,8 +12,6 @@ from fivebar_atlas.cli.optimum_figures import draw_front, draw_region
 from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table, capitalised, titled
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from fivebar_atlas.synthesis.optimum_study import OptimumStudy
 
 # Rows of a front that are shown; a file has all.
@@ -170,13 +168,13 @@ class OptimumText:
 
         return {AREA, CONDITIONING} <= set(self.study.atlas.names)
 
-    def _draw_region(self) -> Figure:
+    def _draw_region(self) -> Any:
         found = self.study.candidates
         return draw_region(
             found.atlas, found.region.region, found.conditions, found.mode, found.lci
         )
 
-    def _draw_quantity(self, name: str) -> Figure:
+    def _draw_quantity(self, name: str) -> Any:
         from fivebar_atlas.figures.atlas_figures import quantity_figure
 
         candidates = self.study.candidates

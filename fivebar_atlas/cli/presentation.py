@@ -10,14 +10,11 @@ import dataclasses
 import json
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from fivebar_atlas.report.content import Row, Section, Table
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 __all__ = [
     "Captioned",
@@ -42,11 +39,11 @@ class Captioned:
     caption
         What it shows.
     draw
-        Returns it; imports matplotlib, which nobody else should wait for.
+        Returns it as a matplotlib figure; imports matplotlib, which nobody else should wait for.
     """
 
     caption: str
-    draw: Callable[[], Figure]
+    draw: Callable[[], Any]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

@@ -73,11 +73,16 @@ def _lines(report: Report) -> Iterator[str]:
 
 
 def _text(text: str) -> str:
-    """Return text of which no line ends at the hyphen of a mode, an option or a number."""
-    return " ".join(
-        f'<span class="word">{escape(word)}</span>' if "-" in word else escape(word)
-        for word in text.split(" ")
-    )
+    """Return text whose lines end where they may.
+
+    Not at the hyphen of a mode, an option or an exponent and not before an error, but within
+    long names.
+    """
+    words = []
+    for word in text.replace("± ", "±\N{NO-BREAK SPACE}").split(" "):
+        shown = escape(word).replace("_", "_<wbr>")
+        words.append(f'<span class="word">{shown}</span>' if "-" in word else shown)
+    return " ".join(words)
 
 
 def _contents(before: list[Section], after: list[Section], has_figures: bool) -> Iterator[str]:
@@ -121,7 +126,7 @@ def _row(row: Row) -> str:
     """Return one value with what it is."""
     parts = [f'<span class="value">{_text(row.value)}</span>']
     if row.error:
-        parts.append(f'<span class="error">{escape(row.error)}</span>')
+        parts.append(f'<span class="error">{_text(row.error)}</span>')
     if row.note:
         parts.append(f'<span class="note">{_text(row.note)}</span>')
     head = f'<th scope="row">{_text(row.label)}</th>' if row.label else "<td></td>"
@@ -149,10 +154,10 @@ def _table(table: Table, name: str) -> Iterator[str]:
     yield "<tbody>"
     for first, *cells in table.rows:
         others = "".join(
-            f'<td data-head="{escape(head)}"{_numeric(numeric)}>{escape(cell)}</td>'
+            f'<td data-head="{escape(head)}"{_numeric(numeric)}>{_text(cell)}</td>'
             for head, cell, numeric in zip(table.header[1:], cells, is_numeric[1:], strict=True)
         )
-        yield f'<tr><th scope="row">{escape(first)}</th>{others}</tr>'
+        yield f'<tr><th scope="row">{_text(first)}</th>{others}</tr>'
     yield "</tbody>"
     yield "</table>"
     yield "</div>"
