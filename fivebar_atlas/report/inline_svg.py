@@ -58,6 +58,8 @@ def _rewritten(name: str, value: str, prefix: str) -> str:
         return _prefixed(value, prefix)
     if name == "href" and value.startswith("#"):
         return "#" + _prefixed(value[1:], prefix)
+    if name == "href" and value.startswith("data:"):
+        return value.replace(" ", "")
     if name == "d":
         return _DECIMALS.sub(r"\1", value)
     return _REFERENCE.sub(lambda found: f"url(#{_prefixed(found[1], prefix)})", value)
