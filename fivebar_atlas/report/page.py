@@ -12,7 +12,7 @@ from fivebar_atlas.report.inline_svg import inline_svg
 
 # What a page may load: nothing, and of itself its style sheet.
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-_NUMBER = re.compile(r"(± ?)?[-−]?\d\S*( (±|[^\d\s]+$).*)?|none|")
+_NUMBER = re.compile(r"(± )?[-−]?\d\S*( [^\d\s]+| ± .+)?|none")
 # Tables with more columns are scrolled on a narrow screen, others stacked.
 _STACKED = 5
 # Tables with more rows may go on on the next sheet of paper.
