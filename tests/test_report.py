@@ -212,6 +212,7 @@ def test_an_empty_region_says_why(made: Made, file: Path) -> None:
     assert document["conflict"] is not None
     region = found.section("Region").rows()
     assert region["Region"] == "empty: no design has gci>0.7"
+    assert "the region is empty: no design has gci>0.7." in found.all("header")[0].text
     (reach,) = document["conflict"]["reaches"]
     assert region["gci>0.7, in the whole space"].startswith(f"{reach['alone']:.8g} at r1 ")
     assert "Pareto front" not in headings(found)

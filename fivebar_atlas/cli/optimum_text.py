@@ -53,7 +53,9 @@ class OptimumText:
         document = self.document
         count = f"{document['lattice_designs']} of {document['designs']} designs of the lattice"
         text = f"{count} fulfil the conditions"
-        if document["conflict"] is None and not document["region"]["is_empty"]:
+        if document["conflict"] is not None:
+            text += f"; the region is {_empty_text(document['conflict'])}"
+        elif not document["region"]["is_empty"]:
             text += f", {100.0 * document['region']['share']:.4g} % of the design space"
         maximum = document["maximum"]
         if maximum is None or maximum["design"] is None:
