@@ -12,8 +12,9 @@ from scipy import ndimage
 from fivebar_atlas import planar_design
 from fivebar_atlas.errors import InfeasibleSizeError, InputError, UnknownNameError
 from fivebar_atlas.synthesis.containment import INSIDE, ActuatorRange
+from fivebar_atlas.synthesis.link_limits import LinkLimit
 from fivebar_atlas.synthesis.shapes import Shape
-from fivebar_atlas.synthesis.sizing import LinkLimit, Machine, size_for_area, size_for_shape
+from fivebar_atlas.synthesis.sizing import Machine, size_for_area, size_for_shape
 
 PAPER = (1.28, 1.72, 0.0)
 SMALL = (1.08, 1.25, 0.67)
@@ -68,6 +69,21 @@ def test_the_example_of_the_paper() -> None:
     settings, results = machine.evaluation
     assert settings.lci_thresholds == (0.5,)
     assert results["good_condition_workspace_area"][0, 0, 0] == pytest.approx(area, rel=1e-9)
+
+
+def test_a_rounded_factor_gives_the_printed_lengths() -> None:
+    design = planar_design(*PAPER, unit="")
+    machine = size_for_area(design, 400.0, "+-/up", 0.5, factor_step=0.1)
+    assert machine.factor == 4.5
+    assert list(machine.lengths.values()) == pytest.approx([5.76, 7.74, 0.0], abs=1e-12)
+    shape = Shape.rectangle(300.0, 200.0)
+    exact = size_for_shape(design, shape, "+-/up")
+    machine = size_for_shape(design, shape, "+-/up", factor_step=5.0)
+    assert machine.factor == 5.0 * math.ceil(exact.factor / 5.0)
+    assert machine.fit is not None
+    assert machine.fit.proof.verdict == INSIDE
+    with pytest.raises(InputError, match="factor step"):
+        size_for_area(design, 400.0, "+-/up", 0.5, factor_step=0.0)
 
 
 @pytest.mark.parametrize(("mode", "signs"), [("+-/up", (1, -1)), ("-+/down", (-1, 1))])

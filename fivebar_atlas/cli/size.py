@@ -99,6 +99,9 @@ class _Units:
     metavar="NAME MIN MAX",
     help="Limits of a length, such as R2 100 250; repeatable; 'inf' is no limit.",
 )
+@click.option(
+    "--factor-step", type=float, metavar="STEP", help="Round D up to a multiple of this length."
+)
 @options.json_option
 @click.option(
     "-o", "--output", metavar="FILE.json", type=click.Path(path_type=Path), help="Write the JSON."
@@ -121,6 +124,7 @@ def size(
     force: float | None,
     actuator_ranges: tuple[tuple[int, float, float], ...],
     link_ranges: tuple[tuple[str, float, float], ...],
+    factor_step: float | None,
     as_json: bool,
     output: Path | None,
     overwrite: bool,
@@ -137,8 +141,9 @@ def size(
     from fivebar_atlas import mechanisms
     from fivebar_atlas.output_file import check_output
     from fivebar_atlas.synthesis.containment import ActuatorRange
+    from fivebar_atlas.synthesis.link_limits import LinkLimit
     from fivebar_atlas.synthesis.placement import FREE, ON_AXIS
-    from fivebar_atlas.synthesis.sizing import LinkLimit, size_for_area, size_for_shape
+    from fivebar_atlas.synthesis.sizing import size_for_area, size_for_shape
 
     if output is not None:
         check_output(output, overwrite)
@@ -153,7 +158,11 @@ def size(
         raise click.UsageError("--free and --offset exclude each other")
     if area is not None and (free or offset or clearance is not None):
         raise click.UsageError("--free, --offset and --clearance go with a shape, not with --area")
-    for name, value in (("--encoder-resolution", encoder_resolution), ("--force", force)):
+    for name, value in (
+        ("--encoder-resolution", encoder_resolution),
+        ("--force", force),
+        ("--factor-step", factor_step),
+    ):
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise InputError(name, value, "a finite number above 0")
     chosen = mechanisms.get(mechanism or mechanisms.names()[0])
@@ -172,7 +181,14 @@ def size(
         squares = _area(area, units)
         note_compilation()
         machine = size_for_area(
-            design, squares, pair, threshold, unit=units.unit, ranges=ranges, limits=limits
+            design,
+            squares,
+            pair,
+            threshold,
+            unit=units.unit,
+            ranges=ranges,
+            limits=limits,
+            factor_step=factor_step,
         )
     else:
         shape = _shape(rectangle, circle, polygon, clearance, units)
@@ -186,6 +202,7 @@ def size(
             placement=offset or (FREE if free else ON_AXIS),
             ranges=ranges,
             limits=limits,
+            factor_step=factor_step,
         )
     resolution = None if encoder_resolution is None else math.radians(encoder_resolution)
     text = MachineText(machine, resolution, force, area)

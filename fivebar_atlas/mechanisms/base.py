@@ -19,7 +19,12 @@ import numpy.typing as npt
 from fivebar_atlas.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
-    from fivebar_atlas.mechanisms.planar import PlanarDesign
+    from fivebar_atlas.mechanisms.planar import (
+        OptimalConfiguration,
+        PlacedExtremes,
+        PlacementScan,
+        PlanarDesign,
+    )
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -452,6 +457,83 @@ class Mechanism(ABC):
             If the lengths make no mechanism, or its output does not move in a plane.
         """
         raise InputError("mechanism", self.name, "a mechanism whose output point moves in a plane")
+
+    def optimal_configuration(self, ratio: float) -> OptimalConfiguration:  # noqa: ARG002
+        """Return the optimal configuration in closed form for a ratio of second to first length.
+
+        Raises
+        ------
+        InputError
+            If the ratio is out of range, or the mechanism has no such configuration.
+        """
+        raise InputError(
+            "mechanism", self.name, "a mechanism with an optimal configuration in closed form"
+        )
+
+    def scan_placements(
+        self,
+        designs: FloatArray,  # noqa: ARG002
+        least: FloatArray,  # noqa: ARG002
+        greatest: FloatArray,  # noqa: ARG002
+        scan: PlacementScan,  # noqa: ARG002
+    ) -> FloatArray:
+        """Return about the largest scale of a shape in designs, and where; releases the GIL.
+
+        Parameters
+        ----------
+        designs
+            Designs, shape (n, parameters).
+        least, greatest
+            Range of scales that is wanted, shape (n,).
+        scan
+            The shape, what is asked of its points and where it may be.
+
+        Returns
+        -------
+        ndarray
+            Scale and position of the centre in non-dimensional lengths, for the best
+            placement above the base and for that below it, shape (n, 2, 3); scale 0 where
+            there is none. What holds between samples is not looked at.
+
+        Raises
+        ------
+        InputError
+            If the output of the mechanism does not move in a plane.
+        """
+        raise InputError("mechanism", self.name, "a mechanism whose output point moves in a plane")
+
+    def placed_extremes(
+        self,
+        designs: FloatArray,  # noqa: ARG002
+        positions: FloatArray,  # noqa: ARG002
+        scales: FloatArray,  # noqa: ARG002
+        scan: PlacementScan,  # noqa: ARG002
+    ) -> PlacedExtremes:
+        """Return what placed shapes bring with them, on their samples.
+
+        Parameters
+        ----------
+        designs, positions, scales
+            Placements, shapes (n, parameters), (n, 2) and (n,).
+        scan
+            The shape and the mode pair.
+
+        Raises
+        ------
+        InputError
+            If the output of the mechanism does not move in a plane.
+        """
+        raise InputError("mechanism", self.name, "a mechanism whose output point moves in a plane")
+
+    def moving_links(self, designs: FloatArray) -> FloatArray:  # noqa: ARG002
+        """Return the lengths of all moving links together, shape (n,), for designs.
+
+        Raises
+        ------
+        InputError
+            If the mechanism has no such sum.
+        """
+        raise InputError("mechanism", self.name, "a mechanism of links of constant length")
 
     def check_count(self, lengths: Sequence[float]) -> None:
         """Raise InputError unless there is one number for each parameter."""

@@ -187,6 +187,71 @@ class PathReport:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class OptimalConfiguration:
+    """A design and a pose of it in closed form that are the best at once.
+
+    Attributes
+    ----------
+    lengths
+        One length for each parameter of the mechanism, the first one 1.
+    output
+        Position of the output point.
+    mode
+        The mode pair it belongs to.
+    """
+
+    lengths: tuple[float, ...]
+    output: Point
+    mode: str
+
+
+@dataclasses.dataclass(frozen=True)
+class PlacementScan:
+    """A shape that is to be placed in many designs, on samples.
+
+    Attributes
+    ----------
+    mode
+        Mode pair.
+    lci_threshold
+        Least LCI of its points.
+    samples
+        Points of the shape relative to its centre, shape (k, 2).
+    anchors
+        Positions of its centre as shares of the reach along x and y, shape (m, 2).
+    limits
+        For each limited input its number from 0, the middle and half the width of its range in
+        radians, shape (j, 3).
+    """
+
+    mode: str
+    lci_threshold: float
+    samples: FloatArray
+    anchors: FloatArray
+    limits: FloatArray
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class PlacedExtremes:
+    """What placed shapes bring with them, in non-dimensional lengths; infinite if singular.
+
+    Attributes
+    ----------
+    moves
+        How far the output moves at most for input errors of 1 rad, shape (n,).
+    torques
+        Largest torque of an input for a unit force, shape (n,).
+    lower, upper
+        Corners of the box around all joints and the output, shape (n, 2).
+    """
+
+    moves: FloatArray
+    torques: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class Workspace:
     """A usable workspace in the plane.
 
@@ -286,6 +351,13 @@ class PlanarDesign(ABC):
         """Return the input angles at points in a working mode, in (-π, π].
 
         Shape (n, inputs) for n points; NaN out of reach.
+        """
+
+    @abstractmethod
+    def joint_positions(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return all joints but the output, base joints too, at points in a working mode.
+
+        Shape (n, joints, 2) for n points; NaN out of reach.
         """
 
     @abstractmethod
@@ -481,6 +553,11 @@ class ScaledDesign(PlanarDesign):
     def inputs(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
         """Return the input angles at points in a working mode, in (-π, π]."""
         return self._design.inputs(np.divide(x, self.factor), np.divide(y, self.factor), mode)
+
+    def joint_positions(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
+        """Return all joints but the output at points in a working mode."""
+        x, y = np.divide(x, self.factor), np.divide(y, self.factor)
+        return np.asarray(self.factor * self._design.joint_positions(x, y, mode))
 
     def jacobian(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
         """Return J of θ' = J p' at points in a working mode, in radians per length."""

@@ -27,6 +27,13 @@ _FIRST_SQUARES = 24
 # Least side of a square as a share of the shape, and squares that are looked at together.
 _LEAST_SIDE, _BLOCK = 1e-12, 100_000
 
+
+def check_positive(name: str, value: float) -> None:
+    """Raise InputError unless a number is positive and finite."""
+    if not (math.isfinite(value) and value > 0.0):
+        raise InputError(name, value, "a finite number above 0")
+
+
 #: What a proof came to.
 INSIDE, OUTSIDE, UNDECIDED = "inside", "outside", "undecided"
 
@@ -179,20 +186,12 @@ def prove(
         Squares of one size that it may take.
     """
     place = np.asarray(position, dtype=np.float64)
-    lower, upper = shape.extent
-    size = float((upper - lower).max())
-    half = 0.5 * size / _FIRST_SQUARES
-    numbers = [max(math.ceil(side / (2.0 * half) - 1e-9), 1) for side in upper - lower]
-    lines = [
-        0.5 * (low + high) + half * (2.0 * np.arange(number) + 1.0 - number)
-        for low, high, number in zip(lower, upper, numbers, strict=True)
-    ]
-    x, y = np.meshgrid(*lines)
-    centres = np.column_stack([x.ravel(), y.ravel()])
+    centres, half = covering_squares(shape)
+    least_half = half * _FIRST_SQUARES * _LEAST_SIDE
     count = 0
     while len(centres):
         count += len(centres)
-        if len(centres) > most_squares or half < _LEAST_SIDE * size:
+        if len(centres) > most_squares or half < least_half:
             return Proof(UNDECIDED, count)
         left = []
         for start in range(0, len(centres), _BLOCK):
@@ -202,15 +201,32 @@ def prove(
             if witness is not None:
                 return Proof(OUTSIDE, count, witness)
             left.append(open_ones)
-        centres = np.concatenate(left)
-        half *= 0.5
-        quarters = half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-        centres = (centres[:, None] + quarters).reshape(-1, 2)
+        centres, half = quartered(np.concatenate(left), half)
     # One point of a connected shape tells on which side of the singular loci all of it is.
     inner = place + scale * shape.boundary(np.zeros(1))
     if good.design.lci_inside(inner[:, 0], inner[:, 1], good.mode)[0] > 0.0:
         return Proof(INSIDE, count)
     return Proof(OUTSIDE, count, shape.boundary(np.zeros(1))[0])
+
+
+def covering_squares(shape: Shape) -> tuple[FloatArray, float]:
+    """Return the centres of squares that cover a shape, shape (n, 2), and half their side."""
+    lower, upper = shape.extent
+    half = 0.5 * float((upper - lower).max()) / _FIRST_SQUARES
+    numbers = [max(math.ceil(side / (2.0 * half) - 1e-9), 1) for side in upper - lower]
+    lines = [
+        0.5 * (low + high) + half * (2.0 * np.arange(number) + 1.0 - number)
+        for low, high, number in zip(lower, upper, numbers, strict=True)
+    ]
+    x, y = np.meshgrid(*lines)
+    return np.column_stack([x.ravel(), y.ravel()]), half
+
+
+def quartered(centres: FloatArray, half: float) -> tuple[FloatArray, float]:
+    """Return the centres of the quarters of squares, and half the side of a quarter."""
+    half *= 0.5
+    quarters = half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    return (centres[:, None] + quarters).reshape(-1, 2), half
 
 
 def _open_squares(

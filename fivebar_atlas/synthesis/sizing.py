@@ -26,7 +26,13 @@ from fivebar_atlas.mechanisms.base import (
 )
 from fivebar_atlas.mechanisms.planar import PlanarDesign, ScaledDesign
 from fivebar_atlas.planar_geometry import Point, Region
-from fivebar_atlas.synthesis.containment import INSIDE, ActuatorRange, GoodCondition
+from fivebar_atlas.synthesis.containment import (
+    INSIDE,
+    ActuatorRange,
+    GoodCondition,
+    check_positive,
+)
+from fivebar_atlas.synthesis.link_limits import LinkLimit, check_limits
 from fivebar_atlas.synthesis.placement import FREE, ON_AXIS, Fit, empty_reason, fit_shape
 from fivebar_atlas.synthesis.practical_workspace import (
     Field,
@@ -39,36 +45,6 @@ from fivebar_atlas.synthesis.shapes import Shape
 _AREA = "good_condition_workspace_area"
 # By how many radians an input may be beyond the range of its actuator: rounding.
 _ROUNDING = 1e-9
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class LinkLimit:
-    """Least and greatest length of a link.
-
-    Attributes
-    ----------
-    name
-        Name of the length: ``"R1"``.
-    least, greatest
-        Limits in lengths of the machine, ``inf`` where there is no greatest.
-
-    Raises
-    ------
-    InputError
-        If a limit is negative or not a number, or the greatest is below the least.
-    """
-
-    name: str
-    least: float
-    greatest: float
-
-    def __post_init__(self) -> None:
-        limits = (self.least, self.greatest)
-        if not (self.least >= 0.0 and math.isfinite(self.least) and self.greatest > 0.0):
-            raise InputError(f"limits of {self.name}", limits, "lengths of 0 or more")
-        if not self.least <= self.greatest:
-            allowed = "a least length that is not above the greatest"
-            raise InputError(f"limits of {self.name}", limits, allowed)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -182,7 +158,7 @@ class Machine:
         InputError
             If the resolution is not positive and finite.
         """
-        _check_positive("encoder resolution", resolution)
+        check_positive("encoder resolution", resolution)
 
         def error(points: FloatArray) -> FloatArray:
             moves = self._moves(points)
@@ -205,7 +181,7 @@ class Machine:
         InputError
             If the force is not positive and finite.
         """
-        _check_positive("force", force)
+        check_positive("force", force)
 
         def torque(points: FloatArray) -> FloatArray:
             return np.asarray(np.linalg.norm(self._moves(points), axis=1).max(axis=1))
@@ -300,6 +276,7 @@ def size_for_area(
     unit: str = "mm",
     ranges: Sequence[ActuatorRange] = (),
     limits: Sequence[LinkLimit] = (),
+    factor_step: float | None = None,
 ) -> Machine:
     """Return the machine whose good-condition workspace has an area (Eq. 34).
 
@@ -319,12 +296,14 @@ def size_for_area(
         Unit of lengths.
     ranges, limits
         What actuators and links allow.
+    factor_step
+        D is rounded up to a multiple of this; the area then is larger than asked for.
 
     Raises
     ------
     InputError
-        If the area is not positive and finite, the threshold not in (0, 1), or there is no such
-        input.
+        If the area or the step is not positive and finite, the threshold not in (0, 1), or there
+        is no such input.
     UnknownNameError
         If there is no such mode pair or link.
     InfeasibleSizeError
@@ -338,7 +317,8 @@ def size_for_area(
     >>> {name: round(length, 3) for name, length in machine.lengths.items()}
     {'R1': 5.756, 'R2': 7.735, 'R3': 0.0}
     """
-    _check_positive("area", area)
+    check_positive("area", area)
+    _check_step(factor_step)
     good = _good(design, mode, lci_threshold, ranges)
     parts = design.good_condition_workspace(lci_threshold, good.mode)
     if not parts:
@@ -349,13 +329,14 @@ def size_for_area(
     if len(parts) > 1:
         # The share comes from polygons, whose areas are off by what the chords cut off.
         error = share * error + abs(sum(part.area for part in parts) - whole)
-    factor = math.sqrt(area / largest)
+    exact = math.sqrt(area / largest)
+    factor = exact if factor_step is None else _rounded_up(exact, factor_step)
     workspace = PracticalWorkspace.of_region(good, parts[0])
     machine = Machine(
         good=good,
         unit=unit,
         factor=factor,
-        factor_error=0.5 * factor * error / largest,
+        factor_error=0.5 * exact * error / largest if factor_step is None else 0.0,
         workspace=workspace,
         shape=None,
         fit=None,
@@ -376,6 +357,7 @@ def size_for_shape(
     placement: str | Point = ON_AXIS,
     ranges: Sequence[ActuatorRange] = (),
     limits: Sequence[LinkLimit] = (),
+    factor_step: float | None = None,
 ) -> Machine:
     """Return the smallest machine in which a whole shape is in good condition.
 
@@ -396,17 +378,20 @@ def size_for_shape(
         point: it is there, in lengths of the machine.
     ranges, limits
         What actuators and links allow.
+    factor_step
+        D is rounded up to a multiple of this.
 
     Returns
     -------
     Machine
         The shape fits, which is proved, and would not at D (1 - 1e-6) unless the least length
-        of a link decides.
+        of a link or the step decides.
 
     Raises
     ------
     InputError
-        If the threshold is not in (0, 1), an offset is not finite, or there is no such input.
+        If the threshold is not in (0, 1), an offset or the step is not finite, or there is no
+        such input.
     UnknownNameError
         If there is no such mode pair, link or placement.
     InfeasibleSizeError
@@ -422,17 +407,20 @@ def size_for_shape(
     >>> round(machine.factor, 4), round(machine.position[1], 3)
     (48.8714, 75.185)
     """
+    _check_step(factor_step)
     good = _good(design, mode, lci_threshold, ranges)
     if isinstance(placement, str) and placement not in (ON_AXIS, FREE):
         raise UnknownNameError("placement", placement, (ON_AXIS, FREE))
     if not isinstance(placement, str) and not all(map(math.isfinite, placement)):
         raise InputError("offset", placement, "two finite lengths")
     lengths = _named(design)
-    _check_names(lengths, limits)
+    check_limits(lengths, limits)
     least = max(
         (each.least / lengths[each.name.lower()] for each in limits if each.least), default=0.0
     )
     fit = fit_shape(good, shape, placement, least)
+    if factor_step is not None:
+        fit = fit_shape(good, shape, placement, _rounded_up(fit.factor, factor_step))
     workspace = PracticalWorkspace.of_shape(shape, fit.position, 1.0 / fit.factor)
     parts = design.good_condition_workspace(lci_threshold, good.mode)
     machine = Machine(
@@ -508,20 +496,10 @@ def _plain(symbol: str) -> str:
     return symbol.strip("$").replace("_", "")
 
 
-def _check_names(lengths: dict[str, float], limits: Sequence[LinkLimit]) -> None:
-    """Raise UnknownNameError unless limits are on lengths that there are."""
-    for each in limits:
-        if each.name.lower() not in lengths:
-            raise UnknownNameError("link limit", each.name, [name.upper() for name in lengths])
-        if each.least > 0.0 and lengths[each.name.lower()] == 0.0:
-            allowed = f"no least length, for {each.name} is 0 at every size"
-            raise InputError(f"limits of {each.name}", each.least, allowed)
-
-
 def _check_lengths(machine: Machine, limits: Sequence[LinkLimit]) -> None:
     """Raise InfeasibleSizeError if a length is out of its limits."""
     lengths, unit = machine.lengths, machine.unit
-    _check_names(_named(machine.good.design), limits)
+    check_limits(_named(machine.good.design), limits)
     reasons = []
     share = 1.0
     for each in limits:
@@ -564,9 +542,16 @@ def _check_inputs(machine: Machine) -> None:
         )
 
 
-def _check_positive(name: str, value: float) -> None:
-    if not (math.isfinite(value) and value > 0.0):
-        raise InputError(name, value, "a finite number above 0")
+def _check_step(step: float | None) -> None:
+    if step is not None:
+        check_positive("factor step", step)
+
+
+def _rounded_up(factor: float, step: float) -> float:
+    """Return the least multiple of a step that is not below a factor."""
+    # a round step is a decimal number, whose multiples are quotients of whole numbers
+    count = math.ceil(factor / step)
+    return count / (1.0 / step) if step < 1.0 else count * step
 
 
 def _signs(count: int) -> FloatArray:

@@ -364,6 +364,12 @@ class FiveBar(PlanarDesign):
         """Return θ1, θ2 in radians, in (-π, π], as one array of shape (..., 2)."""
         return np.stack(self.inverse_kinematics(x, y, mode), axis=-1)
 
+    def joint_positions(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
+        """Return A1, A2, B1 and B2 as one array of shape (..., 4, 2)."""
+        b1, b2 = self.elbows(x, y, mode)
+        bases = (np.broadcast_to((base, 0.0), b1.shape) for base in (-self.r3, self.r3))
+        return np.stack([*bases, b1, b2], axis=-2)
+
     def bounds_on_discs(
         self, x: npt.ArrayLike, y: npt.ArrayLike, radius: npt.ArrayLike, mode: str = "+-"
     ) -> tuple[FloatArray, FloatArray]:
@@ -388,7 +394,9 @@ class FiveBar(PlanarDesign):
         xs, ys, radii = (
             np.ravel(each).astype(np.float64) for each in np.broadcast_arrays(x, y, radius)
         )
-        return bounds_on_discs(self._lengths, xs, ys, radii, *_working_mode(mode))
+        least, turns = np.empty(len(xs)), np.empty((len(xs), 2))
+        bounds_on_discs(*self._lengths, xs, ys, radii, *_working_mode(mode), least, turns)
+        return least, turns
 
     def largest_lci(self, mode: str = "+-/up") -> tuple[float, Point] | None:
         """Return the largest LCI of the usable workspace of a mode pair, and where it is.

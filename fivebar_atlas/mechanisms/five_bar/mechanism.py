@@ -29,7 +29,12 @@ from fivebar_atlas.mechanisms.base import (
 from fivebar_atlas.mechanisms.five_bar import design_space
 
 if TYPE_CHECKING:
-    from fivebar_atlas.mechanisms.planar import PlanarDesign
+    from fivebar_atlas.mechanisms.planar import (
+        OptimalConfiguration,
+        PlacedExtremes,
+        PlacementScan,
+        PlanarDesign,
+    )
 
 #: Codes of the columns that name a mode pair. An assembly mode is the sign of det B.
 WORKING_MODES = Flags(values=(0, 1, 2, 3), meanings=("+-", "-+", "++", "--"))
@@ -270,6 +275,32 @@ class FiveBarMechanism(Mechanism):
         if unit is None:
             unit = "" if scale == 1.0 else "mm"
         return ScaledDesign(robot, scale, unit) if unit else robot
+
+    def optimal_configuration(self, ratio: float) -> OptimalConfiguration:
+        """Return the optimal configuration of Le, Kang and Doan (2013), Eqs. 21 and 22."""
+        from fivebar_atlas.mechanisms.five_bar.optimal_configuration import optimal_configuration
+
+        return optimal_configuration(ratio)
+
+    def scan_placements(
+        self, designs: FloatArray, least: FloatArray, greatest: FloatArray, scan: PlacementScan
+    ) -> FloatArray:
+        """Return about the largest scale of a shape in designs; see :mod:`placement_scan`."""
+        from fivebar_atlas.mechanisms.five_bar.placement_scan import largest_placements
+
+        return largest_placements(designs, least, greatest, mode_signs(scan.mode), scan)
+
+    def placed_extremes(
+        self, designs: FloatArray, positions: FloatArray, scales: FloatArray, scan: PlacementScan
+    ) -> PlacedExtremes:
+        """Return what placed shapes bring with them; see :mod:`placement_scan`."""
+        from fivebar_atlas.mechanisms.five_bar.placement_scan import placed_extremes
+
+        return placed_extremes(designs, positions, scales, mode_signs(scan.mode), scan)
+
+    def moving_links(self, designs: FloatArray) -> FloatArray:
+        """Return 2 (r1 + r2), the lengths of both cranks and both distal links."""
+        return np.asarray(2.0 * (designs[:, 0] + designs[:, 1]))
 
     def document(
         self, parameters: FloatArray, factor: float, settings: SweepSettings, results: Results

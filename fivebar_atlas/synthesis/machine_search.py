@@ -1,0 +1,271 @@
+"""Machines for a practical workspace, searched over a whole design space and all mode pairs.
+
+Every design of a lattice is tried with a shape at many places, on samples (the mechanism's
+``scan_placements``); the best ones that are apart from one another are where
+:mod:`machine_polish` starts from.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from fivebar_atlas.errors import InputError, UnknownNameError
+from fivebar_atlas.executors import ThreadExecutor
+from fivebar_atlas.mechanisms.base import Mechanism
+from fivebar_atlas.mechanisms.planar import PlacementScan
+from fivebar_atlas.planar_geometry import FloatArray
+from fivebar_atlas.synthesis.containment import ActuatorRange
+from fivebar_atlas.synthesis.link_limits import LinkLimit, check_names
+from fivebar_atlas.synthesis.machine_goals import Goal
+from fivebar_atlas.synthesis.placement import FREE, ON_AXIS
+from fivebar_atlas.synthesis.shapes import Shape
+
+# Steps of the lattice, positions along the axis, and along x and y.
+_RESOLUTION, _AXIS_POSITIONS, _FREE_POSITIONS = 96, 97, (23, 25)
+# Samples of boundary and interior.
+_BOUNDARY, _INTERIOR = 40, 150
+# Scales, as shares of the largest one of a placement, at which goals are looked at that may gain
+# from a larger machine.
+_SHRINKING = (1.0, 0.85, 0.7, 0.5)
+# Least scale as a share of the largest that could be.
+_LEAST_SCALE = 1e-4
+# Designs of one task.
+_BLOCK = 256
+# Starts, how far they are apart in the chart, and how much worse than the best one.
+_STARTS, _APART, _WORTHWHILE = 10, 0.12, 1.6
+# Values that differ by less are those of mirror images.
+_SAME = 1e-9
+
+
+@dataclasses.dataclass(frozen=True)
+class MachineTask:
+    """What a machine is to do, and what is to be smallest.
+
+    Attributes
+    ----------
+    mechanism
+        The mechanism.
+    shape
+        The practical workspace, in the unit.
+    goal
+        What is minimised.
+    modes
+        Mode pairs that are allowed.
+    lci_threshold
+        Least LCI throughout the shape, in (0, 1).
+    placement
+        ``ON_AXIS`` or ``FREE``.
+    ranges, limits
+        What actuators and links allow.
+    unit
+        Unit of lengths.
+    space
+        Design space that is searched.
+
+    Raises
+    ------
+    InputError
+        If the threshold is not in (0, 1), there is no such input, or no mode pair is allowed.
+    UnknownNameError
+        If there is no such mode pair, placement, link or design space.
+    """
+
+    mechanism: Mechanism
+    shape: Shape
+    goal: Goal
+    modes: tuple[str, ...]
+    lci_threshold: float = 0.5
+    placement: str = ON_AXIS
+    ranges: tuple[ActuatorRange, ...] = ()
+    limits: tuple[LinkLimit, ...] = ()
+    unit: str = "mm"
+    space: str = ""
+
+    def __post_init__(self) -> None:
+        self.mechanism.check_thresholds([self.lci_threshold])
+        if not self.modes:
+            raise InputError("modes", self.modes, "at least one mode pair")
+        for mode in self.modes:
+            self.mechanism.parse_mode(mode)
+        if self.placement not in (ON_AXIS, FREE):
+            raise UnknownNameError("placement", self.placement, (ON_AXIS, FREE))
+        if not self.space:
+            object.__setattr__(self, "space", self.mechanism.spaces[-1])
+        self.mechanism.check_space(self.space)
+        check_names([parameter.name for parameter in self.mechanism.parameters], self.limits)
+
+    @property
+    def size(self) -> float:
+        """Half the longer side of the box around the shape: scales times it are lengths."""
+        lower, upper = self.shape.extent
+        return 0.5 * float((upper - lower).max())
+
+    def scales(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the least and the greatest scale that designs, shape (n, parameters), may have.
+
+        A machine has the dimensional factor D = 1/scale, and lengths times D keep to the limits.
+        """
+        # whatever the mechanism, all links together are no longer than 3 and reach both ways
+        cap = 3.0 / self.size
+        least = np.full(len(designs), _LEAST_SCALE * cap)
+        greatest = np.full(len(designs), cap)
+        names = [parameter.name for parameter in self.mechanism.parameters]
+        for limit in self.limits:
+            lengths = designs[:, names.index(limit.name.lower())]
+            if math.isfinite(limit.greatest):
+                least = np.maximum(least, lengths / limit.greatest)
+            if limit.least > 0.0:
+                greatest = np.minimum(greatest, lengths / limit.least)
+        return least, greatest
+
+
+@dataclasses.dataclass(frozen=True)
+class Start:
+    """A design with a placement of the shape, found on samples.
+
+    Attributes
+    ----------
+    mode
+        Mode pair.
+    parameters
+        Non-dimensional design, shape (parameters,).
+    centre
+        Centre of the shape in it, shape (2,).
+    scale
+        1/D.
+    value
+        The goal.
+    """
+
+    mode: str
+    parameters: FloatArray
+    centre: FloatArray
+    scale: float
+    value: float
+
+
+def find_starts(
+    task: MachineTask,
+    progress: Callable[[int, int], None] | None = None,
+    resolution: int = _RESOLUTION,
+) -> list[Start]:
+    """Return the best designs of a lattice that are apart from one another, the best first.
+
+    Parameters
+    ----------
+    task
+        What is asked.
+    progress
+        Called with the designs done and all designs.
+    resolution
+        Lattice steps.
+    """
+    designs = task.mechanism.lattice(task.space, resolution)
+    blocks = [(mode, start) for mode in task.modes for start in range(0, len(designs), _BLOCK)]
+    samples = _samples(task.shape)
+    anchors = _anchors(task.placement)
+    limits = np.array(
+        [
+            (
+                each.number - 1,
+                0.5 * (each.least + each.greatest),
+                0.5 * (each.greatest - each.least),
+            )
+            for each in task.ranges
+            if each.is_limiting
+        ]
+    ).reshape(-1, 3)
+    scans = {
+        mode: PlacementScan(mode, task.lci_threshold, samples, anchors, limits)
+        for mode in task.modes
+    }
+
+    def evaluate(block: tuple[str, int]) -> list[Start]:
+        mode, first = block
+        return _evaluate(task, designs[first : first + _BLOCK], scans[mode])
+
+    found: dict[tuple[str, int], list[Start]] = {}
+    total = len(task.modes) * len(designs)
+    for block, some in ThreadExecutor().run(evaluate, blocks):
+        found[block] = some
+        if progress is not None:
+            progress(min(len(found) * _BLOCK, total), total)
+    return _apart(task, [start for block in blocks for start in found[block]])
+
+
+def _samples(shape: Shape) -> FloatArray:
+    """Return points of a shape, those first that are likely to be the worst."""
+    boundary = shape.boundary(shape.boundary_samples(_BOUNDARY))
+    far = np.argsort(-np.hypot(*(boundary - boundary.mean(axis=0)).T), kind="stable")
+    return np.concatenate([boundary[far], shape.interior_samples(_INTERIOR)])
+
+
+def _anchors(placement: str) -> FloatArray:
+    """Return positions as shares of the reach, shape (n, 2)."""
+    if placement == ON_AXIS:
+        y = np.linspace(-1.0, 1.0, _AXIS_POSITIONS + 2)[1:-1]
+        return np.column_stack([np.zeros(len(y)), y])
+    lines = [np.linspace(-1.0, 1.0, count + 2)[1:-1] for count in _FREE_POSITIONS]
+    x, y = np.meshgrid(*lines)
+    return np.column_stack([x.ravel(), y.ravel()])
+
+
+def _evaluate(task: MachineTask, designs: FloatArray, scan: PlacementScan) -> list[Start]:
+    """Return the placements of a block of designs in one mode pair."""
+    least, greatest = task.scales(designs)
+    found = task.mechanism.scan_placements(designs, least, greatest, scan)
+    shrinking = _SHRINKING if task.goal.extremes else _SHRINKING[:1]
+    starts = []
+    for half in range(found.shape[1]):
+        rows = np.flatnonzero(found[:, half, 0] > 0.0)
+        if not len(rows):
+            continue
+        centres = found[rows, half, 1:]
+        best = np.full(len(rows), np.inf)
+        scale = found[rows, half, 0].copy()
+        for share in shrinking:
+            scales = share * found[rows, half, 0]
+            placed = task.mechanism.placed_extremes(designs[rows], centres, scales, scan)
+            extremes = task.goal.on_samples(placed)
+            values = np.array(
+                [
+                    task.goal.value(task.mechanism, *each)
+                    for each in zip(designs[rows], scales, extremes, strict=True)
+                ]
+            )
+            better = (values < best) & (scales >= least[rows])
+            best, scale = np.where(better, values, best), np.where(better, scales, scale)
+        starts += [
+            Start(scan.mode, designs[row], centres[k], float(scale[k]), float(best[k]))
+            for k, row in enumerate(rows)
+            if math.isfinite(best[k])
+        ]
+    return starts
+
+
+def _apart(task: MachineTask, starts: Sequence[Start]) -> list[Start]:
+    """Return the best starts, none near a better one; mirror images count as one."""
+    if not starts:
+        return []
+    order = sorted(range(len(starts)), key=lambda k: starts[k].value)
+    points = task.mechanism.project(np.array([each.parameters for each in starts]))
+    chosen: list[int] = []
+    for k in order:
+        if starts[k].value > _WORTHWHILE * starts[order[0]].value or len(chosen) == _STARTS:
+            break
+        if not any(_is_near(starts[k], starts[c], points[k] - points[c]) for c in chosen):
+            chosen.append(k)
+    return [starts[k] for k in chosen]
+
+
+def _is_near(one: Start, other: Start, gap: FloatArray) -> bool:
+    """Tell whether a start leads where another one does, or to its mirror image."""
+    distance = float(np.hypot(*gap))
+    if distance == 0.0 and abs(one.value - other.value) <= _SAME * other.value:
+        return True
+    same_place = one.mode == other.mode and (one.centre[1] >= 0.0) == (other.centre[1] >= 0.0)
+    return same_place and distance < _APART
