@@ -32,10 +32,12 @@ _NO_GAIN = 1e-10
 _EXCHANGES, _MET = 6, 1e-7
 # Margins below this may become zero within a round; contacts that are kept.
 _CONTACT, _MOST_CONTACTS = 0.1, 80
-# Holes that are kept clear of, and a margin that is nothing but rounding.
-_HOLES, _ROUNDING = 6, 2e-14
+# A scale below this share of what was expected is not worth finding; a margin that is rounding.
+_COLLAPSE, _ROUNDING = 0.5, 2e-14
 # Margin that is asked for at contacts, so that what is between them is good, too.
-_MARGIN = 1e-10
+_MARGIN = 1e-9
+# Shares of the scale of a start, which was found on samples, that are tried.
+_FIRST_SCALES = (1.0, 0.97, 0.9, 0.75)
 # By how much larger a scale is tried than the one before.
 _GROWTH = 1.3
 # Steps of differences.
@@ -121,15 +123,20 @@ class MachinePolish:
         self._limits = [(names.index(each.name.lower()), each) for each in task.limits]
         self._limiting = [each for each in task.ranges if each.is_limiting]
 
-    def polish(self, start: Start) -> Polished | None:
-        """Return the local optimum near a start; None where the shape does not fit there."""
+    def placed(self, start: Start) -> Polished | None:
+        """Return a start whose shape is good throughout; None where none is about that large."""
         point = self._moved(self._task.mechanism.project(start.parameters[None])[0])
-        now = self._evaluated(start.mode, point, start.centre, start.scale)
-        if now is None:
-            return None
+        for share in _FIRST_SCALES:
+            now = self._evaluated(start.mode, point, start.centre, share * start.scale)
+            if now is not None:
+                return now
+        return None
+
+    def polish(self, now: Polished, rounds: int = _ROUNDS) -> Polished:
+        """Return the local optimum near a placement, or how far so many rounds have come."""
         contacts = self._worst(now.mode, now.point, now.centre, now.scale)
         reach = _FIRST_REACH
-        for _ in range(_ROUNDS):
+        for _ in range(rounds):
             trial, contacts, promise = self._round(now, contacts, reach)
             enough = now.value * (1.0 - _NO_GAIN)
             if trial is not None and trial.value < enough:
@@ -156,13 +163,13 @@ class MachinePolish:
                 break
             if solved is None:
                 break
-            *placement, promise = solved
-            trial = self._evaluated(now.mode, *placement)
+            point, centre, scale, promise = solved
+            trial = self._evaluated(now.mode, point, centre, scale)
             if trial is not None and (best is None or trial.value < best.value):
                 best = trial
-            worst = self._worst(now.mode, *placement)
+            worst = self._worst(now.mode, point, centre, scale)
             contacts = np.concatenate([worst, contacts])[:_MOST_CONTACTS]
-            if trial is not None and trial.scale >= placement[2] * (1.0 - _MET):
+            if trial is not None and trial.scale >= scale * (1.0 - _MET):
                 break
         return best, contacts, promise
 
@@ -185,7 +192,7 @@ class MachinePolish:
     def _evaluated(
         self, mode: str, point: FloatArray, centre: FloatArray, scale: float
     ) -> Polished | None:
-        """Return a placement with the scale that fits there; None where there is none.
+        """Return a placement with about the scale that is given; None where that does not fit.
 
         A goal without extremes gains from every larger scale, others have the scale that
         was asked for if it fits.
@@ -202,15 +209,12 @@ class MachinePolish:
         except InputError:  # the end of a design space that is no design
             return None
         search = ScaleSearch(good, task.shape, None, limit, [])
-        fits = limit
-        for _ in range(_HOLES):
-            fits = search.largest_scale(centre, fits)
-            if fits <= 0.0 or fits < least:
-                return None
-            points, values = search.worst_inside(centre, fits)
-            if not len(values) or values.min() >= -_ROUNDING:
-                break
-            search.holes.append(centre + fits * points[int(np.argmin(values))])
+        fits = search.largest_scale(centre, limit, max(least, _COLLAPSE * scale))
+        if fits == 0.0:
+            return None
+        _, values = search.worst_inside(centre, fits)
+        if len(values) and values.min() < -_ROUNDING:
+            return None
         extremes = self._extremes(good.design, mode, centre, fits)[0]
         value = task.goal.value(task.mechanism, parameters, fits, extremes)
         if not math.isfinite(value):

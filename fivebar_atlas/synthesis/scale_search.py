@@ -193,10 +193,10 @@ class ScaleSearch:
             step *= 2.0 / (_INSIDE_ZOOM - 1)
         return middle, best
 
-    def largest_scale(self, anchor: FloatArray, start: float) -> float:
+    def largest_scale(self, anchor: FloatArray, start: float, least: float = 0.0) -> float:
         """Return the largest scale up to a start at which the shape is good, 0 if there is none.
 
-        But for holes that are not known yet.
+        But for holes that are not known yet. Scales below the least one are none.
         """
         scale = start
         for _ in range(_CUTS):
@@ -205,7 +205,7 @@ class ScaleSearch:
             if not len(bad):
                 return scale
             cut = self._cut(anchor, scale, bad)
-            if cut <= _LEAST_SCALE * self.limit:
+            if cut <= max(_LEAST_SCALE * self.limit, least):
                 return 0.0
             if cut >= scale * (1.0 - 1e-15):
                 return cut
