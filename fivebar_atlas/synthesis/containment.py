@@ -34,6 +34,17 @@ def check_positive(name: str, value: float) -> None:
         raise InputError(name, value, "a finite number above 0")
 
 
+def check_ranges(ranges: Sequence[ActuatorRange], design: PlanarDesign, mode: str) -> None:
+    """Raise InputError unless ranges are of inputs that there are, one for each at most."""
+    inputs = design.inputs(np.zeros(1), np.zeros(1), mode).shape[1]
+    for each in ranges:
+        if not 1 <= each.number <= inputs:
+            raise InputError("actuator range", each.number, f"an actuator from 1 to {inputs}")
+    numbers = [each.number for each in ranges]
+    if len(set(numbers)) < len(numbers):
+        raise InputError("actuator range", numbers, "one range for each actuator")
+
+
 #: What a proof came to.
 INSIDE, OUTSIDE, UNDECIDED = "inside", "outside", "undecided"
 

@@ -20,7 +20,7 @@ from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.planar import PlanarDesign
 from fivebar_atlas.planar_geometry import CircleArc, FloatArray, Point
 from fivebar_atlas.synthesis.active_constraints import active_constraints
-from fivebar_atlas.synthesis.containment import ActuatorRange, GoodCondition, Proof
+from fivebar_atlas.synthesis.containment import ActuatorRange, GoodCondition, Proof, check_ranges
 from fivebar_atlas.synthesis.scale_search import ROUNDS, ScaleSearch, Touch, largest_at
 from fivebar_atlas.synthesis.shapes import Shape
 
@@ -86,6 +86,8 @@ class SquareTask:
         self.mechanism.parse_mode(self.mode)
         if not (math.isfinite(self.aspect) and self.aspect > 0.0):
             raise InputError("aspect", self.aspect, "a finite ratio of width to height above 0")
+        some = self.mechanism.planar_design(self.mechanism.optimal_configuration(2.0).lengths, "")
+        check_ranges(self.ranges, some, self.mode)
         for name, value, known in (
             ("centre", self.centre, CENTRES),
             ("half", self.half, HALVES),

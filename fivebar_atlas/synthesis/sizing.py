@@ -31,6 +31,7 @@ from fivebar_atlas.synthesis.containment import (
     ActuatorRange,
     GoodCondition,
     check_positive,
+    check_ranges,
 )
 from fivebar_atlas.synthesis.link_limits import LinkLimit, check_limits
 from fivebar_atlas.synthesis.placement import FREE, ON_AXIS, Fit, empty_reason, fit_shape
@@ -446,13 +447,7 @@ def _good(
     if design.unit:
         raise InputError("design", design.unit, "a non-dimensional design, of unit ''")
     pair = mechanism.parse_mode(mode)
-    inputs = design.inputs(np.zeros(1), np.zeros(1), pair).shape[1]
-    for each in ranges:
-        if not 1 <= each.number <= inputs:
-            raise InputError("actuator range", each.number, f"an actuator from 1 to {inputs}")
-    numbers = [each.number for each in ranges]
-    if len(set(numbers)) < len(numbers):
-        raise InputError("actuator range", numbers, "one range for each actuator")
+    check_ranges(ranges, design, pair)
     return GoodCondition(design, pair, lci_threshold, tuple(ranges))
 
 
