@@ -97,12 +97,28 @@ class GoodCondition:
         Least LCI, in (0, 1).
     ranges
         Ranges of actuators.
+
+    Raises
+    ------
+    InputError
+        If there is no such actuator, or an actuator has two ranges.
     """
 
     design: PlanarDesign
     mode: str
     lci_threshold: float
     ranges: tuple[ActuatorRange, ...] = ()
+
+    def __post_init__(self) -> None:
+        numbers = [each.number for each in self.ranges]
+        if not numbers:
+            return
+        inputs = self.design.inputs(np.zeros(1), np.zeros(1), self.mode).shape[1]
+        for number in numbers:
+            if not 1 <= number <= inputs:
+                raise InputError("actuator range", number, f"an actuator from 1 to {inputs}")
+        if len(set(numbers)) < len(numbers):
+            raise InputError("actuator range", numbers, "one range for each actuator")
 
     def margins(self, points: FloatArray) -> FloatArray:
         """Return how far points are from not being good; negative where they are not.
