@@ -25,6 +25,11 @@ ratio_range_option = click.option(
     help="Ratios l2/l1 from A to B, such as 1.2:4:0.05; 1 or more.",
 )
 
+#: One ratio of links; :func:`check_ratio` checks it.
+ratio_option = click.option(
+    "--rho", type=float, required=True, metavar="RHO", help="Ratio l2/l1, 1 or more."
+)
+
 
 def square_options(command: Function) -> Function:
     """Add what is asked of a square; :func:`square_task` takes what they give."""
