@@ -293,7 +293,7 @@ def check_ranges_allow(task: SquareTask, ratio: float) -> None:
     x, y = (np.array([part / factor]) for part in optimal.output)
     inputs = design.inputs(x, y, optimal.mode)[0]
     reasons = []
-    for each in task.ranges:
+    for each in GoodCondition(design, optimal.mode, task.lci_threshold, task.ranges).ranges:
         angle = inputs[each.number - 1]
         room = float(each.margins(np.array([angle]))[0])
         if each.is_limiting and room < 0.0:

@@ -31,7 +31,6 @@ from fivebar_atlas.synthesis.containment import (
     ActuatorRange,
     GoodCondition,
     check_positive,
-    check_ranges,
 )
 from fivebar_atlas.synthesis.link_limits import LinkLimit, check_limits
 from fivebar_atlas.synthesis.placement import FREE, ON_AXIS, Fit, empty_reason, fit_shape
@@ -447,7 +446,6 @@ def _good(
     if design.unit:
         raise InputError("design", design.unit, "a non-dimensional design, of unit ''")
     pair = mechanism.parse_mode(mode)
-    check_ranges(ranges, design, pair)
     return GoodCondition(design, pair, lci_threshold, tuple(ranges))
 
 
