@@ -115,6 +115,12 @@ def square_curve(
     largest, is_kink = _largest(at, squares, pieces)
     if largest is not None:
         largest = tied_square(task, largest.ratio)
+    if largest is not None and is_kink:
+        # next to a kink only one side's constraints are met to rounding
+        middle = min(pieces[:-1], key=lambda piece: abs(piece.end - largest.ratio))
+        both = (middle, pieces[pieces.index(middle) + 1])
+        active = dict.fromkeys(name for piece in both for name in piece.active)
+        largest = dataclasses.replace(largest, active=tuple(active))
     return SquareCurve(tuple(squares), pieces, largest, is_kink)
 
 
