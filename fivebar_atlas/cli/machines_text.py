@@ -111,23 +111,26 @@ class MachinesText:
         )
         names = [*self.machines[0].machine.lengths]
         table = Table(
-            ("Rank", self._goal_heading, "Mode pair", *names, "Active constraints"),
+            ("Rank", self._goal_heading, "Mode pair", *names),
             tuple(
                 (
                     str(number),
                     self._value(ranked),
                     ranked.machine.good.mode,
                     *(f"{length:.6g} {task.unit}" for length in ranked.machine.lengths.values()),
-                    ", ".join(ranked.active) or "none",
                 )
                 for number, ranked in enumerate(self.machines, start=1)
             ),
+        )
+        active = tuple(
+            Row(f"Active, machine {number}", ", ".join(ranked.active) or "none")
+            for number, ranked in enumerate(self.machines, start=1)
         )
         best, *rest = self._best.sections()
         margins = tuple(Row(name, text) for name, text in self._margins(self.machines[0]))
         return [
             Section("Choices", rows=choices),
-            Section("Machines", tables=(table,)),
+            Section("Machines", rows=active, tables=(table,)),
             Section("The best machine", rows=best.rows),
             *rest,
             Section("Margins of the best machine", rows=margins),

@@ -116,12 +116,17 @@ def square_curve(
     if largest is not None:
         largest = tied_square(task, largest.ratio)
     if largest is not None and is_kink:
-        # next to a kink only one side's constraints are met to rounding
-        middle = min(pieces[:-1], key=lambda piece: abs(piece.end - largest.ratio))
-        both = (middle, pieces[pieces.index(middle) + 1])
-        active = dict.fromkeys(name for piece in both for name in piece.active)
-        largest = dataclasses.replace(largest, active=tuple(active))
+        largest = dataclasses.replace(largest, active=_active_at_kink(pieces, largest.ratio))
     return SquareCurve(tuple(squares), pieces, largest, is_kink)
+
+
+def _active_at_kink(pieces: Sequence[Piece], ratio: float) -> tuple[str, ...]:
+    """Return the constraints on both sides of the kink next to a ratio.
+
+    At a kink that is known to rounding only those of one side are met to rounding.
+    """
+    left, right = min(itertools.pairwise(pieces), key=lambda pair: abs(pair[0].end - ratio))
+    return tuple(dict.fromkeys((*left.active, *right.active)))
 
 
 def tied_square(task: SquareTask, ratio: float, is_proved: bool = True) -> Square:
