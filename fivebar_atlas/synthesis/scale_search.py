@@ -55,6 +55,8 @@ _PARTS, _PARTINGS = 16, 13
 # Share of the largest scale that could be at which a shape is not worth a machine.
 _LEAST_SCALE = 1e-6
 _GRADIENT_STEP = 1e-6
+# Decimals of coordinates that order contacts.
+_SAME_PLACE = 6
 
 BoolArray = npt.NDArray[np.bool_]
 
@@ -448,4 +450,5 @@ def largest_at(
             break
         search.holes.append(position + within * witness)
     points, values = search.worst(position, scale)
-    return Touch(scale, points[values < TOUCHING], proof)
+    contacts = points[values < TOUCHING]
+    return Touch(scale, contacts[np.lexsort(np.round(contacts, _SAME_PLACE).T)], proof)
