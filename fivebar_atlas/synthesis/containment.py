@@ -83,6 +83,19 @@ class ActuatorRange:
         return np.asarray(half - np.abs(off))
 
 
+def check_ranges(ranges: Sequence[ActuatorRange], design: PlanarDesign, mode: str) -> None:
+    """Raise InputError unless ranges are of inputs that there are, one for each at most."""
+    if not ranges:
+        return
+    inputs = design.inputs(np.zeros(1), np.zeros(1), mode).shape[1]
+    for each in ranges:
+        if not 1 <= each.number <= inputs:
+            raise InputError("actuator range", each.number, f"an actuator from 1 to {inputs}")
+    numbers = [each.number for each in ranges]
+    if len(set(numbers)) < len(numbers):
+        raise InputError("actuator range", numbers, "one range for each actuator")
+
+
 @dataclasses.dataclass(frozen=True)
 class GoodCondition:
     """What is asked of every point of a practical workspace.
@@ -110,15 +123,7 @@ class GoodCondition:
     ranges: tuple[ActuatorRange, ...] = ()
 
     def __post_init__(self) -> None:
-        numbers = [each.number for each in self.ranges]
-        if not numbers:
-            return
-        inputs = self.design.inputs(np.zeros(1), np.zeros(1), self.mode).shape[1]
-        for number in numbers:
-            if not 1 <= number <= inputs:
-                raise InputError("actuator range", number, f"an actuator from 1 to {inputs}")
-        if len(set(numbers)) < len(numbers):
-            raise InputError("actuator range", numbers, "one range for each actuator")
+        check_ranges(self.ranges, self.design, self.mode)
 
     def margins(self, points: FloatArray) -> FloatArray:
         """Return how far points are from not being good; negative where they are not.
