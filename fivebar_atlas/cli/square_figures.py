@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from typing import TYPE_CHECKING, Any
 
 from fivebar_atlas.errors import InfeasibleSizeError
@@ -48,7 +49,7 @@ def draw_curve(task: SquareTask, curve: SquareCurve, **drawing: Any) -> Any:
     if task.aspect != 1.0:
         label = "root of the area of the largest rectangle $a/l_1$"
     return square_curve_figure(
-        [(joined(line.active), line.points) for line in shown],
+        [(_with_symbols(joined(line.active)), line.points) for line in shown],
         kinks,
         (curve.largest.ratio, curve.largest.side),
         _title(task),
@@ -78,7 +79,7 @@ def draw_square(square: Square, **drawing: Any) -> Any:
             height=square.height,
             centre=square.centre,
             contacts=square.contacts,
-            active=joined(square.active),
+            active=_with_symbols(joined(square.active)),
             circle=square.circle,
         ),
         f"{_title(task)}, {lengths}",
@@ -101,6 +102,11 @@ def _name(task: SquareTask) -> str:
     return "square" if task.aspect == 1.0 else "rectangle"
 
 
+def _with_symbols(active: str) -> str:
+    """Return active constraints with the inputs in the field's notation."""
+    return re.sub(r"θ(\d+)", r"$\\theta_{\1}$", active)
+
+
 def _title(task: SquareTask) -> str:
     """Return what is asked of a square, as the beginning of a title."""
     from fivebar_atlas.figures.wording import mode_text, number_text, threshold_text
@@ -116,5 +122,6 @@ def _title(task: SquareTask) -> str:
     parts += [threshold_text(task.lci_threshold), mode_text(task.mode)]
     for each in task.ranges:
         least, greatest = (number_text(math.degrees(end)) for end in (each.least, each.greatest))
-        parts.append(rf"$\theta_{{{each.number}}}$ from {least}° to {greatest}°")
+        text = rf"$\theta_{{{each.number}}}$ from {least}° to {greatest}°"
+        parts.append(text.replace(" ", "\N{NO-BREAK SPACE}"))
     return ", ".join(parts)

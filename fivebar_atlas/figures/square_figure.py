@@ -36,7 +36,6 @@ from fivebar_atlas.planar_geometry import CircleArc, FloatArray, Point
 # Samples along the longer side of the panel, from which contours start.
 _CELLS = 400
 _AXES = ("$x/l_1$", "$y/l_1$")
-_LABEL = r"LCI $1/\kappa_J$ in the square"
 # An LCI that is 1 but for rounding.
 _ISOTROPIC = 1.0 - 1e-9
 
@@ -170,9 +169,10 @@ def square_figure(
     shown = [square.corners]
     if square.circle is not None:
         shown.append(square.circle.polyline(0.01 * square.circle.radius))
+    label = rf"LCI $1/\kappa_J$ in the {square.name}"
     edges = band_edges(lci_threshold, 1.0, None)
     with styled():
-        below = key_rows_height(rows, width) + bar_height(_LABEL, width)
+        below = key_rows_height(rows, width) + bar_height(label, width)
         frame = plane_frame(bounds_of(shown), design.unit, title, width, below, _AXES)
         lower, upper = frame.corners
         field = SampledField.over(
@@ -191,7 +191,7 @@ def square_figure(
         draw_overlays(frame, [overlay], data)
         for mark in marks:
             mark.draw(frame, data)
-        used = draw_bar(frame, colours, edge_texts(edges), _LABEL)
+        used = draw_bar(frame, colours, edge_texts(edges), label)
         draw_key_rows(frame, rows, used)
         return frame.figure
 

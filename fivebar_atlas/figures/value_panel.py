@@ -25,6 +25,8 @@ _LABEL_GAP = 1.3
 # Height of the panel as a share of its width.
 _ASPECT = 0.72
 _MARGIN = 0.04
+# Values that differ by less than this share are one.
+_CONSTANT = 1e-9
 
 
 def value_panel(
@@ -109,7 +111,10 @@ def _range(row: FloatArray) -> tuple[float, float]:
     if not len(row):
         return 0.0, 1.0
     low, high = float(row.min()), float(row.max())
-    room = _MARGIN * (high - low) or _MARGIN * abs(high) or 1.0
+    if high - low <= _CONSTANT * abs(high):
+        room = _MARGIN * abs(high) or 1.0
+    else:
+        room = _MARGIN * (high - low)
     return low - room, high + room
 
 
