@@ -194,6 +194,30 @@ def test_an_existing_table_is_kept(refused: Refused, file: Path, tmp_path: Path)
     assert "there is no such file" in refused("optimum", tmp_path / "none.h5")
 
 
+def test_an_atlas_is_never_replaced_by_a_table(
+    refused: Refused, several: Path, tmp_path: Path
+) -> None:
+    before = several.read_bytes()
+    where = ("--where", "r1>=1", "--overwrite")
+    assert "ends in one of .csv" in refused("optimum", several, *where, "-o", several)
+    assert "ends in one of .csv" in refused("optimum", several, *where, "-o", tmp_path / "out")
+    disguised = tmp_path / "atlas.csv"
+    disguised.symlink_to(several)
+    for output in (disguised, tmp_path / "." / "atlas.csv"):
+        assert "is the input" in refused("optimum", disguised, *where, "-o", output)
+        assert "is the input" in refused("export", disguised, "--overwrite", "-o", output)
+    picture = tmp_path / "atlas.svg"
+    picture.symlink_to(several)
+    for kind in (
+        ("region", "--where", "r1>=1"),
+        ("pareto", "--pareto", "r1,r2"),
+        ("gci", "--mode", "pp/up"),
+        ("design-space",),
+    ):
+        assert "is the input" in refused("plot", *kind, picture, "--overwrite", "-o", picture)
+    assert several.read_bytes() == before
+
+
 def test_a_line_of_designs_is_no_region_but_has_a_maximum(atlas: Command, file: Path) -> None:
     document = read(atlas("optimum", file, "--where", "r3<=0", "--maximise", "gci", "--json"))
     assert document["region"]["is_empty"]

@@ -160,6 +160,17 @@ def test_nothing_is_written_where_nothing_fits(
     assert file.read_bytes() == before
 
 
+def test_a_machine_is_written_to_json_and_never_over_its_polygon(
+    refused: Callable[..., str], tmp_path: Path
+) -> None:
+    file = tmp_path / "shape.json"
+    file.write_text("x,y\n0,0\n30,0\n30,20\n")
+    arguments = (*SMALL, "--polygon", file, "--overwrite")
+    assert "ends in one of .json" in refused(*arguments, "-o", tmp_path / "machine.csv")
+    assert "is the input" in refused(*arguments, "-o", file)
+    assert file.read_text().startswith("x,y")
+
+
 def test_self_intersecting_and_empty_polygons_are_refused(
     refused: Callable[..., str], tmp_path: Path
 ) -> None:

@@ -146,13 +146,21 @@ def size(
     Exit codes: 0 done, 1 no size is possible, 2 wrong usage or wrong input.
     """
     from fivebar_atlas import mechanisms
-    from fivebar_atlas.output_file import atomic_output, check_output
+    from fivebar_atlas.output_file import (
+        atomic_output,
+        check_is_no_input,
+        check_output,
+        checked_ending,
+    )
     from fivebar_atlas.synthesis.containment import ActuatorRange
     from fivebar_atlas.synthesis.link_limits import LinkLimit
     from fivebar_atlas.synthesis.placement import FREE, ON_AXIS
     from fivebar_atlas.synthesis.sizing import size_for_area, size_for_shape
 
     if output is not None:
+        checked_ending(output, ("json",))
+        if polygon is not None:
+            check_is_no_input(output, Path(polygon))
         check_output(output, overwrite)
     given = [
         name

@@ -50,9 +50,12 @@ def design_space(
     from fivebar_atlas import mechanisms
     from fivebar_atlas.figures.design_space import design_space_figure
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
 
     check_figure_output(output, overwrite)
+    if file is not None:
+        check_is_no_input(output, Path(file))
     mechanism = mechanisms.get(mechanisms.names()[0])
     if file is not None:
         with open_atlas(file) as atlas:
@@ -77,9 +80,11 @@ def _draw_quantity(
 ) -> None:
     from fivebar_atlas.figures.atlas_figures import quantity_figure
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
 
     check_figure_output(output, overwrite)
+    check_is_no_input(output, Path(file))
     with open_atlas(file) as atlas, options.asked_to_choose():
         figure = quantity_figure(atlas, name, mode, lci, width=width)
     save_figure(figure, output, overwrite)
@@ -136,11 +141,13 @@ def region(
     """
     from fivebar_atlas.figures.atlas_figures import region_figure
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
     from fivebar_atlas.synthesis.conditions import parse_condition
     from fivebar_atlas.synthesis.optimum_region import optimum_region
 
     check_figure_output(output, overwrite)
+    check_is_no_input(output, Path(file))
     conditions = [parse_condition(where) for where in wheres]
     with open_atlas(file) as atlas, options.asked_to_choose():
         found = optimum_region(atlas, conditions, mode, lci)
@@ -194,6 +201,7 @@ def pareto(
     """
     from fivebar_atlas.figures.atlas_figures import front_figure
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
     from fivebar_atlas.synthesis.candidates import Candidates
     from fivebar_atlas.synthesis.conditions import (
@@ -205,6 +213,7 @@ def pareto(
     from fivebar_atlas.synthesis.pareto import pareto_front, polished_front
 
     check_figure_output(output, overwrite)
+    check_is_no_input(output, Path(file))
     conditions = [parse_condition(where) for where in wheres]
     check_contradictions(conditions)
     with open_atlas(file) as atlas, options.asked_to_choose():
