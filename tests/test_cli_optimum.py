@@ -228,6 +228,21 @@ def test_a_line_of_designs_is_no_region_but_has_a_maximum(atlas: Command, file: 
     assert "none between these designs" in outcome.out
 
 
+def test_searches_next_to_what_is_no_design_say_so(atlas: Command, file: Path) -> None:
+    for objective in ("-gci", "gci:-1", "max_lci:-1", "r1"):
+        outcome = atlas("optimum", file, f"--maximise={objective}")
+        assert outcome.code == 0
+        assert "the best design evaluated; better ones are closer to the border" in outcome.out
+    maximum = read(atlas("optimum", file, "--maximise=r1", "--json"))["maximum"]
+    assert not maximum["is_attained"]
+    assert 2.9999 < maximum["design"]["r1"] < 3.0
+    outcome = atlas("optimum", file, "--where", "gci<0")
+    assert outcome.out.count(", the best design evaluated\n") == 2
+    (reach,) = read(atlas("optimum", file, "--where", "gci<0", "--json"))["conflict"]["reaches"]
+    assert 0.0 < reach["alone"] < 1e-5
+    assert not reach["alone_is_attained"]
+
+
 def test_an_error_estimate_may_bound_a_region(atlas: Command, file: Path) -> None:
     outcome = atlas("optimum", file, "--where", "gci_error<=1e-7")
     assert outcome.code == 0

@@ -243,6 +243,8 @@ def _maximum_lines(maximum: dict[str, Any]) -> Iterator[str]:
     if lattice is not None:
         gain = maximum["value"] - lattice
         yield _line("  objective", f"{maximum['value']:.10g}, {gain:.2e} above the lattice")
+    if not maximum["is_attained"]:
+        yield _line("", "the best design evaluated; better ones are closer to the border")
     yield _line("  active", ", ".join([*maximum["active"], *maximum["borders"]]) or "no condition")
 
 
@@ -280,7 +282,8 @@ def _conflict_lines(conflict: dict[str, Any], parameters: Sequence[str]) -> Iter
                 yield _line(f"  {label}", "nothing fulfils the others")
                 continue
             place = ", ".join(f"{name} {design[name]:.6f}" for name in parameters)
-            yield _line(f"  {label}", f"{value:.8g} at {place}")
+            limit = "" if reach[f"{key}_is_attained"] else ", the best design evaluated"
+            yield _line(f"  {label}", f"{value:.8g} at {place}{limit}")
 
 
 def _number(value: float | None, form: str) -> str:
