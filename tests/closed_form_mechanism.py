@@ -34,6 +34,7 @@ class ClosedFormMechanism(FiveBarMechanism):
         self,
         parameters: FloatArray,
         margin: float = 0.0,  # noqa: ARG002
+        mode: str | None = None,  # noqa: ARG002
     ) -> BoolArray:
         """Return all: the functions are defined on the border, too."""
         return np.ones(len(parameters), dtype=np.bool_)

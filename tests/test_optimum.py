@@ -530,6 +530,13 @@ def test_a_sum_is_normalised_by_what_fulfils_the_conditions(closed_form: Atlas) 
     assert candidates.best_designs(objective, 1)[0] == np.flatnonzero(chosen)[expected.argmax()]
 
 
+def test_rounding_is_no_range_to_normalise_by() -> None:
+    objective = Objective(("max_lci", "r3"), (1.0, 1.0))
+    values = np.array([[1.0, 1.0 - 3e-16, 1.0 + 2e-16], [0.0, 0.5, 0.25]])
+    totals = objective.normalised(values).value(values)
+    np.testing.assert_allclose(totals, [0.0, 1.0, 0.5], atol=1e-15)
+
+
 def test_error_estimates_have_no_exact_values(closed_form: Atlas) -> None:
     candidates = under(closed_form, "gci_error<=1e-5")
     assert math.isnan(candidates.interpolation_error())

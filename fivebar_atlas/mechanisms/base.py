@@ -359,6 +359,7 @@ class Mechanism(ABC):
         self,
         parameters: FloatArray,
         margin: float = 0.0,  # noqa: ARG002
+        mode: str | None = None,  # noqa: ARG002
     ) -> BoolArray:
         """Return which points of a design space, borders included, make a mechanism.
 
@@ -368,6 +369,8 @@ class Mechanism(ABC):
             Shape (n, parameters).
         margin
             How far a parameter must be from where there is none.
+        mode
+            Mode pair in which they must not be degenerate, if any.
 
         Returns
         -------

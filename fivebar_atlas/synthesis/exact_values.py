@@ -26,6 +26,12 @@ SEARCH_TOLERANCE, SURVEY_TOLERANCE = 1e-7, 1e-6
 #: How far searches stay away from what is no design.
 LEAST_MARGIN = 1e-6
 
+#: How far they stay away from a side of the design space without values.
+OPEN_MARGIN = 1e-3
+
+# Places along a side that are looked at.
+_SHARES = (0.2, 0.5, 0.8)
+
 #: Step of differences in the chart: its square and the tolerance over it are alike small.
 STEP = 1e-4
 
@@ -116,6 +122,28 @@ class ExactValues:
         polygon = DesignPolygon.of_space(mechanism, settings.space)
         return cls(mechanism, settings, tuple(dict.fromkeys(names)), polygon)
 
+    @property
+    def _mode(self) -> str | None:
+        """The mode pair, None where no quantity depends on it."""
+        quantities = [each for each in self.mechanism.quantities if each.name in self.names]
+        has_mode = any(MODE in quantity.dimensions for quantity in quantities)
+        return self.settings.modes[0] if has_mode else None
+
+    def inside(self) -> ExactValues:
+        """Return the same without sides of the design space that have no values.
+
+        Very close to them values may cost a lot, and none is the best there.
+        """
+        polygon = self.polygon
+        along = np.roll(polygon.corners, -1, axis=0) - polygon.corners
+        places = np.concatenate([polygon.corners + share * along for share in _SHARES])
+        values = self.for_search(SURVEY_TOLERANCE).values(places)
+        missing = np.isnan(values).any(axis=0).reshape(len(_SHARES), -1).all(axis=0)
+        if not missing.any():
+            return self
+        distances = np.where(missing, OPEN_MARGIN, 0.0)
+        return dataclasses.replace(self, polygon=polygon.moved_inward(distances))
+
     def for_search(self, tolerance: float = SEARCH_TOLERANCE) -> ExactValues:
         """Return the same with a looser tolerance, several times as fast."""
         tolerance = max(self.settings.tolerance, tolerance)
@@ -137,7 +165,7 @@ class ExactValues:
         The error of a parameter is 0, that of a quantity without an estimate NaN. What is no
         design has no value, not even of a parameter.
         """
-        exist = self.mechanism.are_designs(designs, LEAST_MARGIN)
+        exist = self.mechanism.are_designs(designs, LEAST_MARGIN, self._mode)
         if not exist.all():
             values, errors = np.full((2, len(self.names), len(designs)), np.nan)
             values[:, exist], errors[:, exist] = self.values_and_errors(designs[exist])

@@ -187,6 +187,7 @@ def maximise(
         None where no start leads to a design that fulfils the conditions. The same inputs
         give the same design.
     """
+    whole, exact = exact, exact.inside()
     if spacing > 0.0 and len(starts):
         survey = _Search(exact.for_search(SURVEY_TOLERANCE), objective, conditions, scales, span)
         starts = explored(survey.scores, exact.polygon, starts, spacing)
@@ -200,18 +201,21 @@ def maximise(
     places = np.array([*ends, *starts]).reshape(-1, 2)
     if len(places):
         search.try_points(places)
-    for end in ends if search.best is None else [search.best]:
-        _climb(search, end, _ITERATIONS, _GAIN_OF_CLIMB)
+    is_open = search.best is not None and not _is_attained(whole, exact, objective, search.best)
+    if not is_open:
+        for end in ends if search.best is None else [search.best]:
+            _climb(search, end, _ITERATIONS, _GAIN_OF_CLIMB)
     if search.best is None:
         return None
-    for _ in range(_ROUNDS if trials else 0):
+    for _ in range(_ROUNDS if trials and not is_open else 0):
         before = search.best_value
         _try_around(search)
         if search.best_value - before <= _GAIN:
             break
         # Where no gradient led on at first (at a summit of a bounded quantity), one may now.
         _climb(search, search.best, _ITERATIONS, _GAIN_OF_CLIMB)
-    return _optimum(search, objective, _nudged(search))
+    point = _nudged(search)
+    return _optimum(search, objective, point, _is_attained(whole, exact, objective, point))
 
 
 def _climb(search: _Search, start: FloatArray, iterations: int, gain: float) -> FloatArray:
@@ -301,7 +305,9 @@ def _nudged(search: _Search) -> FloatArray:
     return np.array(points[place]) if is_as_good else best
 
 
-def _optimum(search: _Search, objective: Objective, point: FloatArray) -> Optimum:
+def _optimum(
+    search: _Search, objective: Objective, point: FloatArray, is_attained: bool
+) -> Optimum:
     exact, polygon = search.exact, search.polygon
     values = exact.values(point[np.newaxis])
     margins = search.rows(values)[1:, 0]
@@ -317,14 +323,29 @@ def _optimum(search: _Search, objective: Objective, point: FloatArray) -> Optimu
             if margin <= ACTIVE
         ),
         borders=tuple(name for name, touches in pairs if touches),
-        is_attained=_is_attained(exact, objective, point),
+        is_attained=is_attained,
     )
 
 
-def _is_attained(exact: ExactValues, objective: Objective, point: FloatArray) -> bool:
-    """Return whether the objective has values on all of the border next to a point."""
-    ends = exact.values(exact.polygon.feet(point, _NEAR))
-    places = [exact.names.index(name) for name in objective.names]
+def _is_attained(
+    whole: ExactValues, exact: ExactValues, objective: Objective, point: FloatArray
+) -> bool:
+    """Return whether the objective has values on all of the border next to a point.
+
+    Parameters
+    ----------
+    whole, exact
+        Values in the whole design space, and where they are searched for.
+    objective
+        The objective.
+    point
+        The point, shape (2,).
+    """
+    touches = np.abs(exact.polygon.distances(point[np.newaxis])[0]) <= _NEAR
+    if np.any(touches & (whole.polygon.offsets != exact.polygon.offsets)):
+        return False
+    ends = whole.values(whole.polygon.feet(point, _NEAR))
+    places = [whole.names.index(name) for name in objective.names]
     return bool(np.isfinite(ends[places]).all())
 
 

@@ -266,9 +266,17 @@ class FiveBarMechanism(Mechanism):
         results["sub_region"] = design_space.sub_region(designs)
         return results
 
-    def are_designs(self, parameters: FloatArray, margin: float = 0.0) -> BoolArray:
-        """Return which designs have links: r1 and r2 are above 0, and the margin."""
-        return np.asarray((parameters[:, 0] > margin) & (parameters[:, 1] > margin))
+    def are_designs(
+        self, parameters: FloatArray, margin: float = 0.0, mode: str | None = None
+    ) -> BoolArray:
+        """Return which designs have links: r1 and r2 are above 0, and the margin.
+
+        In working modes "++" and "--" the base joints are apart, too: where r3 = 0, B1 = B2.
+        """
+        least = np.array([margin, margin, -1.0])
+        if mode is not None and mode_signs(mode)[0] == mode_signs(mode)[1]:
+            least[2] = margin
+        return np.asarray(np.all(parameters > least, axis=1))
 
     def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
         """Scale R1, R2, R3 by D = (R1 + R2 + R3)/3; see :func:`design_space.normalise`."""
