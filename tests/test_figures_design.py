@@ -37,6 +37,7 @@ from fivebar_atlas.figures.lci_figure import lci_figure
 from fivebar_atlas.figures.linkage import draw_linkage, sample_pose
 from fivebar_atlas.figures.linkage_figure import linkage_figure
 from fivebar_atlas.figures.loci_figure import loci_figure
+from fivebar_atlas.figures.overlays import Overlay
 from fivebar_atlas.figures.plane_frame import plane_frame
 from fivebar_atlas.figures.plotted_data import PlottedData
 from fivebar_atlas.figures.saving import rendered
@@ -487,6 +488,42 @@ def test_an_empty_workspace_is_said_to_be_empty_and_the_loci_are_drawn(
     assert {part.element for part in data.parts} == {"locus"}
     assert {part.curve for part in data.parts} == {"C_1o", "C_1i", "C_2o", "C_2i"}
     assert not artists(figure, "usable-workspace")
+
+
+# --- practical workspaces in figures
+
+
+@pytest.mark.parametrize(
+    "draw", [workspace_figure, lambda design, mode, **more: lci_figure(design, mode, 0.5, **more)]
+)
+def test_overlays_are_drawn_where_they_lie_and_named(draw: Callable[..., Figure]) -> None:
+    outline = np.array([[-1.0, 44.0], [1.0, 44.0], [1.0, 46.0], [-1.0, 46.0]])
+    overlays = [
+        Overlay("a square", outline, ((1.0, 46.0),), "where it touches"),
+        Overlay("more", 2.0 * outline - [0.0, 45.0], dashed=True),
+    ]
+    data = PlottedData()
+    figure = draw(design_of(26.0, 30.0, 16.0), FIRST, overlays=overlays, data=data)
+    for number, overlay in enumerate(overlays, start=1):
+        (line,) = artists(figure, f"overlay-{number}")
+        assert isinstance(line, Line2D)
+        np.testing.assert_array_equal(line.get_xydata(), [*overlay.outline, overlay.outline[0]])
+        assert line.is_dashed() == overlay.dashed
+    (mark,) = artists(figure, "overlay-points-1")
+    assert isinstance(mark, Line2D)
+    np.testing.assert_array_equal(mark.get_xydata(), [(1.0, 46.0)])
+    for text in ("a square", "where it touches", "more"):
+        assert text in written(figure)
+    recorded = {part.element: part.points for part in data.parts}
+    np.testing.assert_array_equal(recorded["a square"][:-1], outline)
+    np.testing.assert_array_equal(recorded["where it touches"], [(1.0, 46.0)])
+
+
+def test_a_figure_is_wide_enough_for_what_is_drawn_into_it() -> None:
+    far = Overlay("far away", np.array([[90.0, 0.0], [100.0, 0.0], [95.0, 5.0]]))
+    for draw in (workspace_figure, lci_figure):
+        figure = draw(design_of(26.0, 30.0, 16.0), FIRST, overlays=[far])
+        assert figure.axes[0].get_xlim()[1] > 100.0
 
 
 # --- conditioning

@@ -25,6 +25,7 @@ _COMMANDS = {
     "plot": "Draw a figure from an atlas.",
     "evaluate": "Evaluate one design.",
     "size": "Size a machine for a practical workspace.",
+    "report": "Write a run of another command as one HTML page.",
     "optimum": "Find the region where conditions hold, and the best designs in it.",
     "lookup": "Look up one machine in an atlas.",
     "animate": "Show a linkage that follows a path.",

@@ -2,35 +2,28 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
-import shlex
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from fivebar_atlas.cli import options
+from fivebar_atlas.cli.machine_text import MachineText
+from fivebar_atlas.cli.presentation import Run, present
 from fivebar_atlas.cli.progress import note_compilation
 from fivebar_atlas.errors import InputError
 
 if TYPE_CHECKING:
-    from fivebar_atlas.planar_geometry import Point
     from fivebar_atlas.synthesis.shapes import Shape
-    from fivebar_atlas.synthesis.sizing import Machine
 
 _DEFAULT_LCI, _DEFAULT_UNIT = 0.5, "mm"
 _NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
 _LENGTH = re.compile(rf"\s*({_NUMBER})\s*([^\W\d_]*)\s*")
 _AREA = re.compile(rf"\s*({_NUMBER})\s*(?:([^\W\d_]+)(?:\^?2|²))?\s*")
 _SIDES = re.compile(rf"\s*({_NUMBER})\s*([^\W\d_]*?)\s*[x×X]\s*({_NUMBER})\s*([^\W\d_]*)\s*")
-_LABEL_WIDTH = 32
 _SHAPES = ("--area", "--rectangle", "--circle", "--polygon")
-# A coordinate that is nothing but rounding, as a share of D: where something has a flat extreme
-# is known to the square root of that of its value.
-_ROUNDING = 1e-7
 
 
 class _Units:
@@ -146,12 +139,7 @@ def size(
     Exit codes: 0 done, 1 no size is possible, 2 wrong usage or wrong input.
     """
     from fivebar_atlas import mechanisms
-    from fivebar_atlas.output_file import (
-        atomic_output,
-        check_is_no_input,
-        check_output,
-        checked_ending,
-    )
+    from fivebar_atlas.output_file import check_is_no_input, check_output, checked_ending
     from fivebar_atlas.synthesis.containment import ActuatorRange
     from fivebar_atlas.synthesis.link_limits import LinkLimit
     from fivebar_atlas.synthesis.placement import FREE, ON_AXIS
@@ -220,15 +208,16 @@ def size(
             factor_step=factor_step,
         )
     resolution = None if encoder_resolution is None else math.radians(encoder_resolution)
-    if as_json or output is not None:
-        text = json.dumps(machine.document(resolution, force), indent=2, allow_nan=False)
-    if output is not None:
-        with atomic_output(output, overwrite) as temporary:
-            temporary.write_text(text + "\n", encoding="utf-8")
-    if as_json:
-        click.echo(text)
-    else:
-        click.echo("\n".join(_lines(machine, resolution, force, area)))
+    text = MachineText(machine, resolution, force, area)
+    run = Run(
+        title=text.title,
+        summary=text.summary,
+        document=lambda: machine.document(resolution, force),
+        lines=text.lines,
+        sections=text.sections,
+        figures=text.figures,
+    )
+    present(run, as_json, output, overwrite)
 
 
 def _shape(
@@ -282,91 +271,3 @@ def _area(text: str, units: _Units) -> float:
         raise InputError("--area", text, "an area above 0 such as 400 or 400mm2")
     units.note("--area", text, found[2])
     return float(found[1])
-
-
-def _lines(
-    machine: Machine, resolution: float | None, force: float | None, area: str | None
-) -> Iterator[str]:
-    """Yield the lines of a readable report."""
-    from fivebar_atlas import mechanisms
-    from fivebar_atlas.synthesis.containment import INSIDE
-
-    unit, good = machine.unit, machine.good
-    mechanism = mechanisms.get(good.design.mechanism)
-    _, results = machine.evaluation
-    yield mechanism.title
-    design = ", ".join(
-        f"{name.lower()} = {length / machine.factor:.8g}"
-        for name, length in machine.lengths.items()
-    )
-    yield f"{design}; {'; '.join(good.design.remarks())}"
-    yield f"{good.mode}; LCI at least {good.lci_threshold:g}"
-    yield ""
-    yield _line(
-        "dimensional factor D", f"{machine.factor:.10g} {unit}", f"± {machine.factor_error:.0e}"
-    )
-    for name, length in machine.lengths.items():
-        yield _line(name, f"{length:.10g} {unit}")
-    parts = "" if machine.parts == 1 else f" (the largest of its {machine.parts} parts)"
-    if machine.shape is not None and machine.fit is not None and machine.position is not None:
-        clear = (
-            f" and {machine.shape.clearance:g} {unit} around it" if machine.shape.clearance else ""
-        )
-        yield _line("practical workspace", f"{machine.shape.name} {unit}{clear}")
-        yield _line("centre", _place(machine, machine.position))
-        proof = machine.fit.proof
-        shown = f"proved with {proof.squares} squares" if proof.verdict == INSIDE else "not proved"
-        yield _line("containment", shown)
-        for contact in machine.contacts:
-            yield _line("contact", _place(machine, contact))
-    else:
-        yield _line("practical workspace", f"good-condition workspace{parts} of {area} {unit}²")
-    yield ""
-    for quantity in mechanism.quantities:
-        if quantity.flags is not None or len(quantity.dimensions) < 2:
-            continue
-        value = float(results[quantity.name].ravel()[0])
-        if not math.isfinite(value):
-            continue
-        power = quantity.length_power
-        suffix = {0: "", 1: f" {unit}", 2: f" {unit}²"}.get(power, f" {unit}^{power}")
-        yield _line(quantity.name, f"{machine.factor**power * value + 0.0:.8g}{suffix}")
-    yield ""
-    for each in machine.input_ranges:
-        if each.is_full_turn:
-            yield _line(f"θ{each.number}", "0 to 360 deg, full turns")
-            continue
-        assert each.at_least is not None
-        assert each.at_greatest is not None
-        least, greatest = math.degrees(each.least), math.degrees(each.greatest)
-        yield _line(f"θ{each.number}", f"{least:.4f} to {greatest:.4f} deg")
-        yield _line(
-            "", f"at {_place(machine, each.at_least)} and {_place(machine, each.at_greatest)}"
-        )
-    if resolution is not None:
-        error = machine.positioning_error(resolution)
-        at = _place(machine, error.position)
-        yield _line("positioning error", f"{error.value:.6g} {unit} at most, at {at}")
-        yield _line("", f"for encoders that are off by ±{math.degrees(resolution):g} deg each")
-    if force is not None:
-        torque = machine.joint_torque(force)
-        at = _place(machine, torque.position)
-        yield _line("joint torque", f"{torque.value:.6g} N {unit} at most, at {at}")
-        yield _line("", f"for {force:g} N in any direction, without weight and friction")
-    yield ""
-    lengths = " ".join(f"{length:.10g}" for length in machine.lengths.values())
-    names = (
-        f"--mode {shlex.quote(good.mode)} --lci {good.lci_threshold:g} --unit {shlex.quote(unit)}"
-    )
-    yield f"Its LCI map: atlas plot lci {lengths} {names} -o lci.pdf"
-
-
-def _line(label: str, value: str, more: str = "") -> str:
-    """Return a line of the report."""
-    return f"{label:{_LABEL_WIDTH}}{value}{'  ' + more if more else ''}".rstrip()
-
-
-def _place(machine: Machine, point: Point) -> str:
-    """Return coordinates; what is nothing but rounding is 0."""
-    x, y = (0.0 if abs(part) < _ROUNDING * machine.factor else part for part in point)
-    return f"({x:.6g}, {y:.6g}) {machine.unit}"

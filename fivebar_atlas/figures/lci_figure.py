@@ -21,7 +21,14 @@ from fivebar_atlas.figures.colour_bar import (
 from fivebar_atlas.figures.contour_levels import round_levels
 from fivebar_atlas.figures.drawing_area import FILL_LEVEL
 from fivebar_atlas.figures.loci_figure import empty_workspace_figure
-from fivebar_atlas.figures.plane_frame import PlaneFrame, bounds_of_arcs, flatness, plane_frame
+from fivebar_atlas.figures.overlays import Overlay, draw_overlays, overlay_rows
+from fivebar_atlas.figures.plane_frame import (
+    PlaneFrame,
+    bounds_of,
+    bounds_of_arcs,
+    flatness,
+    plane_frame,
+)
 from fivebar_atlas.figures.plotted_data import PlottedData
 from fivebar_atlas.figures.style import styled
 from fivebar_atlas.figures.text_placement import place_along_lines, points_along, text_size
@@ -52,6 +59,7 @@ def lci_figure(
     lci_threshold: float | None = None,
     levels: Sequence[float] | None = None,
     *,
+    overlays: Sequence[Overlay] = (),
     width: float = style.COLUMN_WIDTH,
     data: PlottedData | None = None,
 ) -> Figure:
@@ -68,6 +76,8 @@ def lci_figure(
         usable workspace.
     levels
         Values of the contours, above 0 and below 1; None for round ones.
+    overlays
+        Practical workspaces that are drawn into it.
     width
         Width of the figure in millimetres.
     data
@@ -108,23 +118,27 @@ def lci_figure(
         edges = _band_edges(least, 1.0 if found is None else found[0], levels)
     if lci_threshold is not None:
         rows.append([KeyEntry("boundary of the usable workspace", OUTLINE)])
+    rows += overlay_rows(overlays)
+    drawn = [overlay.closed for overlay in overlays]
+    bounds = bounds_of([*bounds_of_arcs(region.outline.arcs), *drawn])
     with styled():
         below = key_rows_height(rows, width) + (bar_height(_LABEL, width) if len(edges) else 0.0)
         parts = [title_text(subject, design, mode)]
         if lci_threshold is not None:
             parts.append(threshold_text(lci_threshold))
         title = ", ".join(parts)
-        frame = plane_frame(bounds_of_arcs(region.outline.arcs), design.unit, title, width, below)
+        frame = plane_frame(bounds, design.unit, title, width, below)
         used = 0.0
         if len(edges):
             colours = list(style.colour_map()(np.linspace(0.0, 1.0, len(edges) - 1)))
             if lci_threshold is None:
                 fill_region(frame, region, "band-1", facecolor=colours[0], edgecolor="none")
-            _draw_bands(frame, field, region, edges, colours, data)
+            _draw_bands(frame, field, region, edges, colours, drawn, data)
             used = draw_bar(frame, colours, _edge_texts(edges), _LABEL)
         if data is not None:
             _record_samples(field, least, data)
         draw_outline(frame, region.arcs, data)
+        draw_overlays(frame, overlays, data)
         draw_key_rows(frame, rows, used)
         return frame.figure
 
@@ -149,9 +163,13 @@ def _draw_bands(
     region: Region,
     edges: FloatArray,
     colours: Sequence[Any],
+    overlays: Sequence[FloatArray],
     data: PlottedData | None,
 ) -> None:
-    """Fill all that reaches an edge, edge by edge, and draw and label the contours."""
+    """Fill all that reaches an edge, edge by edge; draw the contours and label them.
+
+    Labels keep off the outlines of overlays.
+    """
     texts = _edge_texts(edges)
     contours: dict[str, list[FloatArray]] = {}
     for number, (edge, colour) in enumerate(zip(edges, colours, strict=False), start=1):
@@ -171,6 +189,7 @@ def _draw_bands(
         np.vstack([loop, loop[:1]]) * frame.scale
         for loop in region.polygons(flatness(*frame.corners))
     ]
+    border += [outline * frame.scale for outline in overlays]
     _label_contours(frame, contours, border)
 
 

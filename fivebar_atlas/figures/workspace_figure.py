@@ -21,6 +21,7 @@ from fivebar_atlas.figures.curves import (
 from fivebar_atlas.figures.drawing_area import BORDER_LEVEL, FILL_LEVEL
 from fivebar_atlas.figures.linkage import FINE, draw_linkage, link_points, sample_pose
 from fivebar_atlas.figures.loci_figure import empty_workspace_figure
+from fivebar_atlas.figures.overlays import Overlay, draw_overlays, overlay_rows
 from fivebar_atlas.figures.plane_frame import (
     PlaneFrame,
     bounds_of,
@@ -67,6 +68,7 @@ def workspace_figure(
     design: PlanarDesign,
     mode: str,
     *,
+    overlays: Sequence[Overlay] = (),
     width: float = style.COLUMN_WIDTH,
     data: PlottedData | None = None,
 ) -> Figure:
@@ -78,6 +80,8 @@ def workspace_figure(
         The design.
     mode
         The mode pair.
+    overlays
+        Practical workspaces that are drawn into it.
     width
         Width of the figure in millimetres.
     data
@@ -113,10 +117,12 @@ def workspace_figure(
         rows.append([KeyEntry(_circles_text(circles, design.unit), look)])
     if others:
         rows.append([KeyEntry("other singular loci of the mode", _OTHER_LOCI)])
+    rows += overlay_rows(overlays)
     marks = marked_points(region.arcs, _points_inside(design, region))
     rows.append([*(mark.entry for mark in marks), KeyEntry(", ".join(design.remarks()), {})])
     joints = np.array([joint.position for joint in pose.joints])
-    bounds = bounds_of([*bounds_of_arcs([*loci, *region.arcs]), joints])
+    drawn = [overlay.closed for overlay in overlays]
+    bounds = bounds_of([*bounds_of_arcs([*loci, *region.arcs]), joints, *drawn])
     with styled():
         title = title_text("Usable workspace", design, mode)
         frame = plane_frame(bounds, design.unit, title, width, key_rows_height(rows, width))
@@ -129,8 +135,9 @@ def workspace_figure(
         lines = [link_points(pose, link.start, link.end) for link in pose.links]
         for number, circle in enumerate(circles, start=1):
             lines.append(_draw_circle(frame, circle, number, data))
+        draw_overlays(frame, overlays, data)
         draw_linkage(frame, pose, FINE, data)
-        label_curves(frame, region.arcs, lines)
+        label_curves(frame, region.arcs, [*lines, *drawn])
         draw_key_rows(frame, rows)
         return frame.figure
 

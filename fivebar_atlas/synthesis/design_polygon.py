@@ -68,7 +68,8 @@ class DesignPolygon:
         before = np.roll(self.normals, 1, axis=0), np.roll(offsets, 1)
         matrices = np.stack([before[0], self.normals], axis=1)
         bounds = np.stack([before[1], offsets], axis=1)[..., np.newaxis]
-        return self.from_corners(np.linalg.solve(matrices, bounds)[..., 0])
+        corners = np.linalg.solve(matrices, bounds)[..., 0]
+        return self.from_corners(np.asarray(corners, dtype=np.float64))
 
     @property
     def area(self) -> float:

@@ -21,8 +21,7 @@ from fivebar_atlas.mechanisms.planar import PlanarDesign
 from fivebar_atlas.planar_geometry import CircleArc, FloatArray, Point
 from fivebar_atlas.synthesis.active_constraints import active_constraints
 from fivebar_atlas.synthesis.containment import ActuatorRange, GoodCondition, Proof
-from fivebar_atlas.synthesis.placement import ON_AXIS, best_position
-from fivebar_atlas.synthesis.scale_search import ScaleSearch, Touch, largest_at
+from fivebar_atlas.synthesis.scale_search import ROUNDS, ScaleSearch, Touch, largest_at
 from fivebar_atlas.synthesis.shapes import Shape
 
 #: Where the centre is: that of the maximal inscribed circle, or wherever on the y axis it is best.
@@ -39,8 +38,8 @@ IN_CIRCLE = "maximal inscribed circle"
 _ACTIVE = 1e-10
 # Chords of an outline whose extent is all that matters may leave it by so much.
 _ANY_DEVIATION = 1e-3
-# Holes of the good-condition workspace that are kept clear of, at most.
-_MOST_HOLES = 20
+# Positions of a scan of the axis, and local maxima among them that are closed in on.
+_POSITIONS, _STARTS = 101, 4
 
 
 @dataclasses.dataclass(frozen=True)
@@ -277,14 +276,26 @@ def _largest_on_axis(good: GoodCondition, shape: Shape, half: str) -> tuple[Floa
     limit = float(
         np.min((corners.max(axis=0) - corners.min(axis=0)) / np.subtract(*reversed(shape.extent)))
     )
-    holes: list[FloatArray] = []
-    while True:
-        search = ScaleSearch(good, shape, None, limit, holes)
-        centre, scale = best_position(search, ON_AXIS, lower, upper)
-        if scale == 0.0:
-            return centre, Touch(0.0, np.empty((0, 2)), None)
-        touch = largest_at(good, shape, centre, scale, holes)
-        if not touch.holes or len(holes) > _MOST_HOLES:
-            return centre, touch
-        # with a hole that the boundary could not see another place may be the best one
-        holes += touch.holes
+    search = ScaleSearch(good, shape, None, limit, [])
+    best = np.zeros(2), Touch(0.0, np.empty((0, 2)), None)
+    for centre, scale in _best_on_axis(search, float(lower[1]), float(upper[1])):
+        if scale <= best[1].scale:
+            break
+        # smaller than that where it is around a hole that its boundary cannot see
+        touch = largest_at(good, shape, centre, scale)
+        best = max(best, (centre, touch), key=lambda each: each[1].scale)
+    return best
+
+
+def _best_on_axis(
+    search: ScaleSearch, lower: float, upper: float
+) -> list[tuple[FloatArray, float]]:
+    """Return centres on a part of the y axis with locally largest scales, the best first."""
+    y = np.linspace(lower, upper, _POSITIONS + 2)[1:-1]
+    anchors = np.column_stack([np.zeros(len(y)), y])
+    scales = search.scan(anchors)
+    padded = np.pad(scales, 1, constant_values=-np.inf)
+    tops = np.flatnonzero((scales >= padded[:-2]) & (scales >= padded[2:]) & (scales > 0.0))
+    tops = tops[np.argsort(-scales[tops], kind="stable")][:_STARTS]
+    found = [search.improve(anchors[top], False, ROUNDS) for top in tops]
+    return sorted(found, key=lambda each: -each[1])

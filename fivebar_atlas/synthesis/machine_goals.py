@@ -18,6 +18,9 @@ from fivebar_atlas.mechanisms.planar import PlacedExtremes, PlanarDesign
 from fivebar_atlas.planar_geometry import FloatArray
 from fivebar_atlas.synthesis.containment import check_positive
 
+# Stands for what is infinite.
+_SINGULAR = 1e100
+
 
 class Goal(ABC):
     """Something that is to be as small as it can be."""
@@ -70,6 +73,12 @@ class Goal(ABC):
             Shape (functions, n); function k bounds the extreme ``bounded[k]``.
         """
         return np.empty((0, len(points)))
+
+    def function(
+        self, number: int, design: PlanarDesign, mode: str, points: FloatArray
+    ) -> FloatArray:
+        """Return one of these functions at output points, shape (n,)."""
+        return np.asarray(self.functions(design, mode, points)[number])
 
     def on_samples(self, placed: PlacedExtremes) -> FloatArray:
         """Return the extremes of placements that were looked at on samples, shape (n, k)."""
@@ -241,14 +250,15 @@ class JointTorque(Goal):
 
 
 def _columns(design: PlanarDesign, mode: str, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the columns of J⁻¹ at points, shape (2, n) each; infinite where J is singular."""
+    """Return the columns of J⁻¹ at points, shape (2, n) each; huge where J is singular."""
     (a, b), (c, d) = design.jacobian(points[:, 0].copy(), points[:, 1].copy(), mode).transpose(
         1, 2, 0
     )
     with np.errstate(all="ignore"):
         det = a * d - b * c
         columns = np.stack([d, -c]) / det, np.stack([-b, a]) / det
-    one, two = (np.where(np.isfinite(each), each, np.inf) for each in columns)
+    # far more than any regular point has, and finite, so that sums are
+    one, two = (np.nan_to_num(each, nan=_SINGULAR, posinf=_SINGULAR) for each in columns)
     return one, two
 
 

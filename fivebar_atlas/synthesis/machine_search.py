@@ -36,9 +36,9 @@ _LEAST_SCALE = 1e-4
 # Designs of one task.
 _BLOCK = 256
 # Starts, how far they are apart in the chart, and how much worse than the best one.
-_STARTS, _APART, _WORTHWHILE = 10, 0.12, 1.6
-# Values that differ by less are those of mirror images.
-_SAME = 1e-9
+_STARTS, _APART, _WORTHWHILE = 6, 0.12, 1.6
+# Values of one design that differ by less, as a share, are those of mirror images.
+_SAME = 1e-3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -248,16 +248,28 @@ def _evaluate(task: MachineTask, designs: FloatArray, scan: PlacementScan) -> li
 
 
 def _apart(task: MachineTask, starts: Sequence[Start]) -> list[Start]:
-    """Return the best starts, none near a better one; mirror images count as one."""
+    """Return the best starts, none near a better one, and the best of every mode and half plane.
+
+    Mirror images count as one, that of the earlier mode pair.
+    """
     if not starts:
         return []
-    order = sorted(range(len(starts)), key=lambda k: starts[k].value)
+    order = sorted(
+        range(len(starts)),
+        key=lambda k: (round(math.log(starts[k].value) / _SAME), task.modes.index(starts[k].mode)),
+    )
     points = task.mechanism.project(np.array([each.parameters for each in starts]))
     chosen: list[int] = []
+    seen: set[tuple[str, bool]] = set()
     for k in order:
-        if starts[k].value > _WORTHWHILE * starts[order[0]].value or len(chosen) == _STARTS:
-            break
-        if not any(_is_near(starts[k], starts[c], points[k] - points[c]) for c in chosen):
+        start = starts[k]
+        kind = (start.mode, bool(start.centre[1] >= 0.0))
+        is_first = kind not in seen
+        seen.add(kind)
+        is_good = len(chosen) < _STARTS and start.value < _WORTHWHILE * starts[order[0]].value
+        if (is_first or is_good) and not any(
+            _is_near(start, starts[c], points[k] - points[c]) for c in chosen
+        ):
             chosen.append(k)
     return [starts[k] for k in chosen]
 
@@ -265,7 +277,7 @@ def _apart(task: MachineTask, starts: Sequence[Start]) -> list[Start]:
 def _is_near(one: Start, other: Start, gap: FloatArray) -> bool:
     """Tell whether a start leads where another one does, or to its mirror image."""
     distance = float(np.hypot(*gap))
-    if distance == 0.0 and abs(one.value - other.value) <= _SAME * other.value:
+    if distance < _APART and abs(one.value - other.value) <= 2.0 * _SAME * other.value:
         return True
     same_place = one.mode == other.mode and (one.centre[1] >= 0.0) == (other.centre[1] >= 0.0)
     return same_place and distance < _APART

@@ -130,7 +130,7 @@ class PracticalWorkspace:
         best = -math.inf, (math.nan, math.nan)
         for boundary in self.boundaries:
             values = function(boundary.at(boundary.places))
-            places, values = boundary.close_in(function, _peaks(values))
+            places, values = boundary.close_in(function, peaks(values))
             top = int(np.argmax(values))
             if values[top] > best[0]:
                 x, y = boundary.at(places[top : top + 1])[0]
@@ -212,7 +212,7 @@ def _level_boundary(good: GoodCondition, corners: FloatArray) -> Boundary:
     return Boundary(at, np.arange(count, dtype=np.float64), float(count))
 
 
-def _peaks(values: FloatArray) -> list[int]:
+def peaks(values: FloatArray) -> list[int]:
     """Return the places of local maxima along a closed curve, the highest first."""
     tops = np.flatnonzero((values >= np.roll(values, 1)) & (values >= np.roll(values, -1)))
     return [int(top) for top in tops[np.argsort(-values[tops], kind="stable")][:_EXTREMES]]
@@ -270,7 +270,7 @@ def input_ranges(good: GoodCondition, workspace: PracticalWorkspace) -> tuple[In
             found = []
             for boundary, angles, shift in zip(workspace.boundaries, inputs, shifts, strict=True):
                 values = angles[:-1, column]
-                for start in _peaks(sign * values)[:2]:
+                for start in peaks(sign * values)[:2]:
                     place, angle = _extreme(good, boundary, column, sign, start, values[start])
                     found.append((sign * (angle + shift[column]), place))
             value, point = max(found)

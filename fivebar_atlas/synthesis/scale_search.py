@@ -45,6 +45,8 @@ _FIRST_REACH, _LAST_REACH, _LENGTHENING, _SHORTENING, _NO_GAIN = 0.05, 1e-8, 2.0
 _MOST_CONTACTS = 40
 # Samples of a boundary where the worst points are looked for, and how they are closed in on.
 _BOUNDARY, _WORST, _ZOOM, _ZOOM_ROUNDS = 360, 10, 41, 5
+# Samples of the interior, points of it that are closed in on, a square of trials and rounds.
+_INTERIOR, _WORST_INSIDE, _INSIDE_ZOOM, _INSIDE_ROUNDS = 200, 4, 7, 10
 # A margin that is nothing but rounding, and what may become a contact.
 _ROUNDING, _CONTACT = 2e-14, 0.05
 _CUTS, _MARCH, _HALVINGS = 80, 96, 52
@@ -76,6 +78,11 @@ class ScaleSearch:
     def boundary(self) -> FloatArray:
         """The points of these samples, shape (n, 2)."""
         return self.shape.boundary(self.places)
+
+    @functools.cached_property
+    def interior(self) -> FloatArray:
+        """Samples of the interior, shape (n, 2)."""
+        return self.shape.interior_samples(_INTERIOR)
 
     @functools.cached_property
     def samples(self) -> FloatArray:
@@ -156,10 +163,40 @@ class ScaleSearch:
             points = np.concatenate([points, relative[self.shape.contains(relative)]])
         return points, np.concatenate([best, margins(points[len(best) :])])
 
-    def largest_scale(self, anchor: FloatArray, start: float) -> float:
+    def worst_inside(self, anchor: FloatArray, scale: float) -> tuple[FloatArray, FloatArray]:
+        """Return interior points of the shape with locally least margins, and these."""
+        position = self.position(anchor, scale)
+        samples = self.interior
+        if not len(samples):
+            return np.empty((0, 2)), np.empty(0)
+        values = self.good.margins(position + scale * samples)
+        lower, upper = self.shape.extent
+        step = math.sqrt(float(np.prod(upper - lower)) / _INTERIOR)
+        left = np.argsort(values, kind="stable")
+        picked: list[int] = []
+        while len(left) and len(picked) < _WORST_INSIDE:
+            picked.append(int(left[0]))
+            left = left[np.hypot(*(samples[left] - samples[left[0]]).T) > 2.0 * step]
+        middle, best = samples[picked], values[picked]
+        x, y = np.meshgrid(*2 * [np.linspace(-1.0, 1.0, _INSIDE_ZOOM)])
+        pattern = np.column_stack([x.ravel(), y.ravel()])
+        rows = np.arange(len(picked))
+        for _ in range(_INSIDE_ROUNDS):
+            trial = middle[:, None] + step * pattern
+            flat = trial.reshape(-1, 2)
+            margins = self.good.margins(position + scale * flat)
+            margins = np.where(self.shape.contains(flat), margins, np.inf).reshape(len(rows), -1)
+            place = np.argmin(margins, axis=1)
+            better = margins[rows, place] < best
+            middle = np.where(better[:, None], trial[rows, place], middle)
+            best = np.where(better, margins[rows, place], best)
+            step *= 2.0 / (_INSIDE_ZOOM - 1)
+        return middle, best
+
+    def largest_scale(self, anchor: FloatArray, start: float, least: float = 0.0) -> float:
         """Return the largest scale up to a start at which the shape is good, 0 if there is none.
 
-        But for holes that are not known yet.
+        But for holes that are not known yet. Scales below the least one are none.
         """
         scale = start
         for _ in range(_CUTS):
@@ -168,7 +205,7 @@ class ScaleSearch:
             if not len(bad):
                 return scale
             cut = self._cut(anchor, scale, bad)
-            if cut <= _LEAST_SCALE * self.limit:
+            if cut <= max(_LEAST_SCALE * self.limit, least):
                 return 0.0
             if cut >= scale * (1.0 - 1e-15):
                 return cut

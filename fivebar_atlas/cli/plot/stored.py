@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from fivebar_atlas.cli import options
+from fivebar_atlas.cli.optimum_figures import draw_front, draw_region
 from fivebar_atlas.cli.plot.group import Command, figure_options, plot
 from fivebar_atlas.errors import InputError
 
@@ -139,7 +140,6 @@ def region(
 
     Prints the range of every parameter in the region.
     """
-    from fivebar_atlas.figures.atlas_figures import region_figure
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
     from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
@@ -151,8 +151,7 @@ def region(
     conditions = [parse_condition(where) for where in wheres]
     with open_atlas(file) as atlas, options.asked_to_choose():
         found = optimum_region(atlas, conditions, mode, lci)
-        bounds = [(each.quantity, each.operator, each.bound) for each in conditions]
-        figure = region_figure(atlas, found.region, bounds, mode, lci, width=width)
+        figure = draw_region(atlas, found.region, conditions, mode, lci, width=width)
         parameters = atlas.mechanism.parameters
     save_figure(figure, output, overwrite)
     together = ", ".join(str(condition) for condition in conditions)
@@ -199,7 +198,6 @@ def pareto(
 
     With --designs, where its members lie in the design space.
     """
-    from fivebar_atlas.figures.atlas_figures import front_figure
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
     from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
@@ -224,20 +222,6 @@ def pareto(
         front = pareto_front(candidates, directions)
         if polish:
             front = polished_front(candidates, front)
-        # From left to right.
-        order = front.values[0].argsort(kind="stable")
-        members = atlas.mechanism.project(front.designs).T if designs else front.values
-        figure = front_figure(
-            atlas,
-            (directions[0][0], directions[1][0]),
-            candidates.fulfilled,
-            members[:, order],
-            [(each.quantity, each.operator, each.bound) for each in conditions],
-            candidates.region.region if conditions else None,
-            mode,
-            lci,
-            in_design_space=designs,
-            width=width,
-        )
+        figure = draw_front(candidates, front, designs, width=width)
     save_figure(figure, output, overwrite)
     click.echo(f"{len(front.designs)} of {front.candidates} designs are on the front")

@@ -1,0 +1,229 @@
+"""One evaluated design as text: the table of a terminal and the sections of a report."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from fivebar_atlas.cli.design_figures import lci_map, linkage, workspace
+from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table, capitalised
+from fivebar_atlas.errors import InputError
+
+if TYPE_CHECKING:
+    from fivebar_atlas.mechanisms.base import (
+        Axis,
+        FloatArray,
+        Mechanism,
+        Quantity,
+        Results,
+        SweepSettings,
+    )
+
+# Wide enough for every name, and the whole line for a terminal of 80 columns.
+_LABEL_WIDTH = 40
+# Mode pairs that a report draws: each takes two figures.
+_DRAWN = 4
+_UNITS = {1: "D", 2: "D²"}
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class _Entry:
+    """One value: its name, what it is, and the same times the power of D that is its unit."""
+
+    label: str
+    meaning: str
+    value: str
+    error: str = ""
+    scaled: str = ""
+    unit: str = ""
+    is_word: bool = False
+
+    @property
+    def line(self) -> str:
+        """The line of the table."""
+        if self.is_word:
+            return f"{self.label:{_LABEL_WIDTH}}  {self.value}"
+        return _line(self.label, self.value, self.error, self.scaled)
+
+    @property
+    def cells(self) -> tuple[str, str, str, str]:
+        """The row of a report."""
+        value = self.value.replace("_", " ") if self.is_word else self.value
+        return capitalised(self.meaning), value, self.error, self.scaled
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class EvaluationText:
+    """One design and its values, as they are written down.
+
+    Attributes
+    ----------
+    mechanism
+        The mechanism.
+    lengths
+        The design as it was given.
+    parameters, factor
+        The non-dimensional design, and the dimensional factor D.
+    settings
+        Mode pairs, thresholds and tolerance.
+    results
+        What was computed.
+    """
+
+    mechanism: Mechanism
+    lengths: list[float]
+    parameters: FloatArray
+    factor: float
+    settings: SweepSettings
+    results: Results
+
+    @property
+    def title(self) -> str:
+        """What was evaluated."""
+        names = [parameter.name for parameter in self.mechanism.parameters]
+        if self.factor != 1.0:
+            names = [name.upper() for name in names]
+        pairs = zip(names, self.lengths, strict=True)
+        return "Design " + ", ".join(f"{name} = {length:.8g}" for name, length in pairs)
+
+    @property
+    def summary(self) -> str:
+        """The first values of the first mode pair, in a sentence."""
+        modes = self._modes
+        entries = [entry for entry in self._of_mode(0) if not entry.is_word] if modes else []
+        if not entries:
+            return f"{self.mechanism.title}."
+        values = " and ".join(
+            " ".join(filter(None, (entry.meaning, entry.value, entry.error, entry.unit)))
+            for entry in entries[:2]
+        )
+        factor = "" if self.factor == 1.0 else f", with D = {self.factor:.8g}"
+        return f"{self.mechanism.title} in the mode pair {modes[0]}: {values}{factor}."
+
+    def lines(self) -> Iterator[str]:
+        """Yield the lines of a readable table."""
+        yield self.mechanism.title
+        yield ""
+        yield _line("", "value", "± error", "" if self.factor == 1.0 else "scaled by D")
+        for entry in self._of_design():
+            yield entry.line
+        for number, label in enumerate(self._modes):
+            yield ""
+            yield label
+            for entry in self._of_mode(number):
+                yield entry.line
+
+    def sections(self) -> list[Section]:
+        """Return choices, design and every mode pair as sections of a report."""
+        settings = self.settings
+        thresholds = ", ".join(f"{value:g}" for value in settings.lci_thresholds)
+        drawn = f"figures of the first {_DRAWN}" if len(self._modes) > _DRAWN else ""
+        choices = (
+            Row("Mechanism", self.mechanism.title, note=self.mechanism.source),
+            Row("Mode pairs", ", ".join(settings.modes), note=drawn),
+            Row("LCI thresholds", thresholds, note="of the good-condition workspace"),
+            Row("Relative tolerance", f"{settings.tolerance:g}", note="of what is integrated"),
+        )
+        sentence = (
+            "Values are those of the design scaled to r1 + r2 + r3 = 3; what is integrated has an "
+            "absolute error estimate."
+        )
+        if self.factor != 1.0:
+            sentence += " The last column has lengths times D and areas times D²."
+        return [
+            Section("Choices", rows=choices),
+            Section("Design", (sentence,), tables=(self._table(self._of_design()),)),
+            *(
+                Section(f"Mode pair {label}", tables=(self._table(self._of_mode(number)),))
+                for number, label in enumerate(self._modes)
+            ),
+        ]
+
+    def figures(self) -> list[Captioned]:
+        """Return workspace and LCI map of mode pairs, and the linkage in the first of them."""
+        try:
+            design = self.mechanism.planar_design(self.lengths)
+        except InputError:  # its output does not move in a plane
+            return []
+        figures = []
+        for mode in self._modes[:_DRAWN]:
+            figures.append(workspace(design, mode))
+            if design.usable_workspace(mode) is not None:
+                figures.append(lci_map(design, mode))
+        for mode in self._modes:
+            if design.usable_workspace(mode) is not None:
+                return [*figures, linkage(design, mode)]
+        return figures
+
+    @property
+    def _modes(self) -> tuple[str, ...]:
+        from fivebar_atlas.mechanisms.base import MODE
+
+        return self._axes[MODE].labels if MODE in self._axes else ()
+
+    @property
+    def _axes(self) -> dict[str, Axis]:
+        return {axis.name: axis for axis in self.mechanism.axes(self.settings)}
+
+    def _of_design(self) -> Iterator[_Entry]:
+        """Yield D, the parameters, and the quantities that do not depend on the mode pair."""
+        from fivebar_atlas.mechanisms.base import MODE
+
+        yield _Entry("dimensional factor D", "dimensional factor D", f"{self.factor:.8g}")
+        for parameter, value in zip(self.mechanism.parameters, self.parameters, strict=True):
+            length = "" if self.factor == 1.0 else f"{self.factor * value:.8g}"
+            meaning = f"{parameter.long_name} {parameter.name}"
+            yield _Entry(parameter.name, meaning, f"{value:.8g}", "", length)
+        for quantity in self.mechanism.quantities:
+            if MODE not in quantity.dimensions:
+                yield from self._entries(quantity, {})
+
+    def _of_mode(self, number: int) -> Iterator[_Entry]:
+        """Yield the quantities of a mode pair."""
+        from fivebar_atlas.mechanisms.base import MODE
+
+        for quantity in self.mechanism.quantities:
+            if MODE in quantity.dimensions:
+                yield from self._entries(quantity, {MODE: number})
+
+    def _entries(self, quantity: Quantity, places: Mapping[str, int]) -> Iterator[_Entry]:
+        """Yield an entry for each one of the axes of a quantity that have no place yet."""
+        axes, factor = self._axes, self.factor
+        free = [axes[name] for name in quantity.dimensions[1:] if name not in places]
+        for numbers in itertools.product(*(range(len(axis)) for axis in free)):
+            chosen = dict(zip((axis.name for axis in free), numbers, strict=True))
+            index = (0, *({**places, **chosen}[name] for name in quantity.dimensions[1:]))
+            labels = {axis.name: axis.labels[chosen[axis.name]] for axis in free}
+            label = quantity.name + "".join(f" at {text}" for text in labels.values())
+            meaning = quantity.long_name + "".join(
+                f" at {name} {text}" for name, text in labels.items()
+            )
+            value = self.results[quantity.name][index]
+            if quantity.flags is not None:
+                word = quantity.flags.describe(int(value))
+                yield _Entry(label, meaning, word, is_word=True)
+                continue
+            if not math.isfinite(value):
+                yield _Entry(label, meaning, "none")
+                continue
+            error, scaled, unit = "", "", ""
+            if quantity.has_error:
+                error = f"± {self.results[quantity.error_name][index]:.1e}"
+            if quantity.length_power and factor != 1.0:
+                scaled = f"{factor**quantity.length_power * value + 0.0:.8g}"
+                unit = _UNITS.get(quantity.length_power, f"D^{quantity.length_power}")
+            yield _Entry(label, meaning, f"{value + 0.0:.8g}", error, scaled, unit)
+
+    def _table(self, entries: Iterator[_Entry]) -> Table:
+        """Return entries as a table; its last column is that of the machine."""
+        columns = 3 if self.factor == 1.0 else 4
+        heads = ("Quantity", "Value", "± Error", "Scaled by D")
+        return Table(heads[:columns], tuple(entry.cells[:columns] for entry in entries))
+
+
+def _line(label: str, value: str, error: str = "", scaled: str = "") -> str:
+    """Return a line of the table."""
+    return f"{label:{_LABEL_WIDTH}}{value:>14}{error:>12}{scaled:>13}".rstrip()

@@ -1,0 +1,258 @@
+"""Which machine for this practical workspace: the best ones over all designs and mode pairs.
+
+A lattice of designs gives starts, these are polished to local optima, and what is left of
+them when equal machines count once is verified: containment is proved, and the goal, margins
+and active constraints are those of the machine that was proved.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from fivebar_atlas.errors import InfeasibleSizeError
+from fivebar_atlas.planar_geometry import FloatArray
+from fivebar_atlas.synthesis.active_constraints import active_constraints
+from fivebar_atlas.synthesis.containment import INSIDE, GoodCondition, prove
+from fivebar_atlas.synthesis.design_polygon import DesignPolygon
+from fivebar_atlas.synthesis.least_lci import least_lci
+from fivebar_atlas.synthesis.machine_polish import DesignLine, MachinePolish, Polished
+from fivebar_atlas.synthesis.machine_search import MachineTask, find_starts
+from fivebar_atlas.synthesis.placement import Fit
+from fivebar_atlas.synthesis.practical_workspace import PracticalWorkspace
+from fivebar_atlas.synthesis.scale_search import PATIENCE, TOUCHING, ScaleSearch
+from fivebar_atlas.synthesis.sizing import Machine
+
+# Rounds of polishing for all starts.
+_FEW_ROUNDS = 6
+# Machines whose lengths differ by less than this share of D are one machine.
+_SAME = 0.01
+# Squares of one size that a proof may take: contacts may lie all along a curve.
+_MOST_SQUARES = 4_000_000
+# Margins of LCI and inputs, and of lengths as a share, that count as active.
+_ACTIVE = 1e-6
+
+
+@dataclasses.dataclass(frozen=True)
+class RankedMachine:
+    """One of the best machines.
+
+    Attributes
+    ----------
+    machine
+        The machine, its containment proved.
+    value
+        The goal.
+    active
+        Constraints that hold with equality.
+    margins
+        What is left to each limit: of the LCI, of inputs in degrees, of lengths.
+    """
+
+    machine: Machine
+    value: float
+    active: tuple[str, ...]
+    margins: dict[str, float]
+
+    def document(
+        self, resolution: float | None = None, force: float | None = None
+    ) -> dict[str, Any]:
+        """Return everything as nested dictionaries, ready for JSON."""
+        return {
+            "value": self.value,
+            "active": list(self.active),
+            "margins": self.margins,
+            **self.machine.document(resolution, force),
+        }
+
+
+def best_machines(
+    task: MachineTask,
+    count: int = 3,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[RankedMachine]:
+    """Return the best machines for a practical workspace, distinct from one another.
+
+    Parameters
+    ----------
+    task
+        What is asked, and what is to be smallest.
+    count
+        How many machines at most.
+    progress
+        Called with the designs done and all designs.
+
+    Returns
+    -------
+    list of RankedMachine
+        The best one first. That it is the best of all is not proved; its containment is.
+
+    Raises
+    ------
+    InfeasibleSizeError
+        If no machine fulfils all constraints; says what comes closest.
+    """
+    starts = find_starts(task, progress)
+    polish = MachinePolish(task)
+    placed = [each for each in map(polish.placed, starts) if each is not None]
+    if not placed:
+        raise InfeasibleSizeError(_why_none(task))
+    found = _distinct([polish.polish(each, _FEW_ROUNDS) for each in placed], count)
+    found = _distinct([polish.polish(each) for each in found], count)
+    ranked = [_verified(task, each) for each in found]
+    return sorted(ranked, key=lambda each: each.value)
+
+
+def best_on_line(
+    task: MachineTask, line: DesignLine | None, starts: Sequence[Polished]
+) -> Polished | None:
+    """Return the best placement that is polished from starts, on a line of the chart."""
+    polish = MachinePolish(task, line)
+    found = [polish.polish(each) for each in starts]
+    return min(found, key=lambda each: each.value, default=None)
+
+
+def _distinct(found: Sequence[Polished], count: int) -> list[Polished]:
+    """Return the best placements whose machines have different lengths."""
+    kept: list[Polished] = []
+    for each in sorted(found, key=lambda each: each.value):
+        lengths = each.parameters / each.scale
+        if len(kept) < count and all(
+            np.abs(lengths - other.parameters / other.scale).max() > _SAME / each.scale
+            for other in kept
+        ):
+            kept.append(each)
+    return kept
+
+
+def _verified(task: MachineTask, placed: Polished) -> RankedMachine:
+    """Return a machine with the proof of its containment, and what limits it."""
+    mechanism = task.mechanism
+    design = mechanism.planar_design([*placed.parameters], "")
+    good = GoodCondition(design, placed.mode, task.lci_threshold, task.ranges)
+    holes: list[FloatArray] = []
+    scale = placed.scale
+    while True:
+        search = ScaleSearch(good, task.shape, None, scale, holes)
+        scale = search.largest_scale(placed.centre, scale)
+        for allowance, _ in PATIENCE:
+            factor = (1.0 + allowance) / scale
+            proof = prove(good, task.shape, placed.centre, 1.0 / factor, _MOST_SQUARES)
+            if proof.witness is not None or proof.verdict == INSIDE:
+                break
+        if proof.witness is None:
+            break
+        holes.append(placed.centre + proof.witness / factor)
+    points, values = search.worst(placed.centre, scale)
+    centre = float(placed.centre[0]), float(placed.centre[1])
+    fit = Fit(factor, allowance, centre, points[values < TOUCHING], proof)
+    machine = Machine(
+        good=good,
+        unit=task.unit,
+        factor=factor,
+        factor_error=allowance * factor,
+        workspace=PracticalWorkspace.of_shape(task.shape, centre, 1.0 / factor),
+        shape=task.shape,
+        fit=fit,
+        parts=len(design.good_condition_workspace(task.lci_threshold, good.mode)),
+    )
+    margins = _margins(task, machine)
+    polygon = DesignPolygon.of_space(mechanism, task.space)
+    borders = [
+        name
+        for name, gap in zip(
+            polygon.names(mechanism), polygon.distances(placed.point[None])[0], strict=True
+        )
+        if abs(gap) < _ACTIVE
+    ]
+    inner, inner_values = search.worst_inside(placed.centre, scale)
+    contacts = np.concatenate([fit.contacts, inner[inner_values < _ACTIVE]])
+    active = active_constraints(good, task.shape, centre, scale, contacts, _ACTIVE)
+    limits = [name for name, margin in margins.items() if name[0] == "R" and margin < _ACTIVE]
+    return RankedMachine(machine, _value(task, machine), (*active, *limits, *borders), margins)
+
+
+def _value(task: MachineTask, machine: Machine) -> float:
+    """Return the goal of a machine, its extremes over the whole practical workspace."""
+    goal, good = task.goal, machine.good
+    extremes = np.full(goal.extremes, -math.inf)
+    for row, number in enumerate(goal.bounded):
+        function = functools.partial(goal.function, row, good.design, good.mode)
+        greatest, _ = machine.workspace.greatest(function)
+        extremes[number] = max(extremes[number], greatest)
+    parameters = np.array([value for _, value in good.design.parameters])
+    return goal.value(task.mechanism, parameters, 1.0 / machine.factor, extremes)
+
+
+def _margins(task: MachineTask, machine: Machine) -> dict[str, float]:
+    """Return what is left to each limit."""
+    good, fit = machine.good, machine.fit
+    assert fit is not None
+    least = least_lci(good.design, good.mode, task.shape, fit.position, 1.0 / machine.factor)
+    margins = {"LCI": least.value - good.lci_threshold}
+    for limit in good.ranges:
+        if limit.is_limiting:
+            found = machine.input_ranges[limit.number - 1]
+            middle = 0.5 * (limit.least + limit.greatest)
+            own = 0.5 * (found.least + found.greatest)
+            turn = 2.0 * math.pi * round((middle - own) / (2.0 * math.pi))
+            margins[f"least θ{limit.number}"] = math.degrees(found.least + turn - limit.least)
+            margins[f"greatest θ{limit.number}"] = math.degrees(
+                limit.greatest - found.greatest - turn
+            )
+    for link in task.limits:
+        name = link.name.upper()
+        length = machine.lengths[name]
+        if link.least > 0.0:
+            margins[f"{name} least"] = length - link.least
+        if math.isfinite(link.greatest):
+            margins[f"{name} greatest"] = link.greatest - length
+    return margins
+
+
+def _why_none(task: MachineTask) -> str:
+    """Return what excludes all machines, and how far each limit alone would have to give."""
+    what = f"no machine for the {task.shape.name} {task.unit}"
+    relaxed = {
+        "actuator ranges": dataclasses.replace(task, ranges=()),
+        "limits on lengths": dataclasses.replace(task, limits=()),
+        f"LCI threshold {task.lci_threshold:g}": dataclasses.replace(task, lci_threshold=0.01),
+    }
+    given = {
+        "actuator ranges": any(each.is_limiting for each in task.ranges),
+        "limits on lengths": bool(task.limits),
+    }
+    helps = [
+        name
+        for name, other in relaxed.items()
+        if given.get(name, True) and find_starts(other, resolution=_CLOSER)
+    ]
+    if not helps:
+        return f"{what}: none is found without any one of its limits, either"
+    text = f"{what} keeps all limits; one is found without {' or without '.join(helps)}"
+    threshold = _largest_threshold(task)
+    if threshold is not None:
+        text += f"; with the other limits kept the LCI is at most about {threshold:.3g}"
+    return text
+
+
+# Lattice steps where it only matters whether there is a machine, and halvings of a threshold.
+_CLOSER, _HALVINGS = 48, 10
+
+
+def _largest_threshold(task: MachineTask) -> float | None:
+    """Return about the largest LCI threshold at which there is a machine; None if none."""
+    lower, upper = 0.0, task.lci_threshold
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (lower + upper)
+        other = dataclasses.replace(task, lci_threshold=middle)
+        if find_starts(other, resolution=_CLOSER):
+            lower = middle
+        else:
+            upper = middle
+    return lower or None
