@@ -26,8 +26,8 @@ SEARCH_TOLERANCE, SURVEY_TOLERANCE = 1e-7, 1e-6
 #: How far searches stay away from what is no design.
 LEAST_MARGIN = 1e-6
 
-#: How far they stay away from a side of the design space without values.
-OPEN_MARGIN = 1e-3
+#: How far they stay away from a side of the design space without values, if they must further.
+OPEN_MARGINS = (2e-6, 1.1e-3)
 
 # Places along a side that are looked at.
 _SHARES = (0.2, 0.5, 0.8)
@@ -132,17 +132,21 @@ class ExactValues:
     def inside(self) -> ExactValues:
         """Return the same without sides of the design space that have no values.
 
-        Very close to them values may cost a lot, and none is the best there.
+        None is the best there, and where the mechanism keeps away from them by more values
+        may cost a lot.
         """
+        distances = np.zeros(len(self.polygon.corners))
         polygon = self.polygon
-        along = np.roll(polygon.corners, -1, axis=0) - polygon.corners
-        places = np.concatenate([polygon.corners + share * along for share in _SHARES])
-        values = self.for_search(SURVEY_TOLERANCE).values(places)
-        missing = np.isnan(values).any(axis=0).reshape(len(_SHARES), -1).all(axis=0)
-        if not missing.any():
-            return self
-        distances = np.where(missing, OPEN_MARGIN, 0.0)
-        return dataclasses.replace(self, polygon=polygon.moved_inward(distances))
+        for distance in OPEN_MARGINS:
+            along = np.roll(polygon.corners, -1, axis=0) - polygon.corners
+            places = np.concatenate([polygon.corners + share * along for share in _SHARES])
+            values = self.for_search(SURVEY_TOLERANCE).values(places)
+            missing = np.isnan(values).any(axis=0).reshape(len(_SHARES), -1).all(axis=0)
+            if not missing.any():
+                break
+            distances[missing] = distance
+            polygon = self.polygon.moved_inward(distances)
+        return dataclasses.replace(self, polygon=polygon)
 
     def for_search(self, tolerance: float = SEARCH_TOLERANCE) -> ExactValues:
         """Return the same with a looser tolerance, several times as fast."""

@@ -29,8 +29,9 @@ _NOTHING = -1e3
 # What a scaled margin that is missed counts in the ranking of places to start from.
 _PENALTY = 10.0
 _ROUNDS = 4
-_ITERATIONS, _GAIN_OF_CLIMB = 60, 1e-13
-_FEW_ITERATIONS, _GAIN_OF_SEARCH = 30, 1e-9
+# Evaluations that SLSQP may take at kinks, its iterations, and a gain that ends it.
+_EVALUATIONS, _ITERATIONS, _GAIN_OF_CLIMB = 200, 60, 1e-13
+_FEW_EVALUATIONS, _FEW_ITERATIONS, _GAIN_OF_SEARCH = 60, 30, 1e-9
 _FIRST_TRIAL, _LAST_TRIAL = 1e-4, 2e-9
 _TRIAL_DIRECTIONS = 12
 _TRIALS_EACH = 8
@@ -68,6 +69,10 @@ class Optimum:
     is_attained: bool
 
 
+class _Exhausted(Exception):  # noqa: N818
+    """SLSQP has taken as many evaluations as it may."""
+
+
 class _Search:
     """Objective and scaled margins at points of the chart; keeps the best point seen."""
 
@@ -91,6 +96,8 @@ class _Search:
         self._span = span
         self._places = [exact.names.index(name) for name in objective.names]
         self._rows = [exact.names.index(condition.quantity) for condition in conditions]
+        #: Evaluations at single points that are left.
+        self.left = 0
         self._last = np.full(2, np.nan)
         self._last_values = np.empty(0)
 
@@ -127,6 +134,9 @@ class _Search:
     def at(self, point: FloatArray) -> FloatArray:
         """Return objective and margins at one point; remembers the last one."""
         if not np.array_equal(point, self._last):
+            if not self.left:
+                raise _Exhausted
+            self.left -= 1
             self._last = point.copy()
             self._last_values = self.exact.values(point[np.newaxis])
             rows = self.rows(self._last_values)[:, 0]
@@ -194,7 +204,9 @@ def maximise(
     rough = _Search(exact.for_search(), objective, conditions, scales, span)
     if len(starts):
         rough.try_points(starts)
-    ends = [_climb(rough, start, _FEW_ITERATIONS, _GAIN_OF_SEARCH) for start in starts]
+    few = _FEW_EVALUATIONS, _FEW_ITERATIONS, _GAIN_OF_SEARCH
+    many = _EVALUATIONS, _ITERATIONS, _GAIN_OF_CLIMB
+    ends = [_climb(rough, start, *few) for start in starts]
     if rough.best is not None:
         ends.append(rough.best)
     search = _Search(exact, objective, conditions, scales, span)
@@ -204,7 +216,7 @@ def maximise(
     is_open = search.best is not None and not _is_attained(whole, exact, objective, search.best)
     if not is_open:
         for end in ends if search.best is None else [search.best]:
-            _climb(search, end, _ITERATIONS, _GAIN_OF_CLIMB)
+            _climb(search, end, *many)
     if search.best is None:
         return None
     for _ in range(_ROUNDS if trials and not is_open else 0):
@@ -213,12 +225,14 @@ def maximise(
         if search.best_value - before <= _GAIN:
             break
         # Where no gradient led on at first (at a summit of a bounded quantity), one may now.
-        _climb(search, search.best, _ITERATIONS, _GAIN_OF_CLIMB)
+        _climb(search, search.best, *many)
     point = _nudged(search)
     return _optimum(search, objective, point, _is_attained(whole, exact, objective, point))
 
 
-def _climb(search: _Search, start: FloatArray, iterations: int, gain: float) -> FloatArray:
+def _climb(
+    search: _Search, start: FloatArray, evaluations: int, iterations: int, gain: float
+) -> FloatArray:
     """Run SLSQP; where it ends beyond a bound, again with bounds moved inward.
 
     Returns
@@ -229,6 +243,7 @@ def _climb(search: _Search, start: FloatArray, iterations: int, gain: float) -> 
     from scipy.optimize import minimize
 
     polygon = search.polygon
+    search.left = evaluations
     point: FloatArray = start
     limits = search.limits + SLACK
     for _ in range(_ROUNDS):
@@ -247,22 +262,26 @@ def _climb(search: _Search, start: FloatArray, iterations: int, gain: float) -> 
                     "jac": lambda p: search.slopes_at(p)[1:],
                 }
             )
-        result = minimize(
-            lambda p: -search.at(p)[0],
-            point,
-            jac=lambda p: -search.slopes_at(p)[0],
-            method="SLSQP",
-            constraints=constraints,
-            options={"maxiter": iterations, "ftol": gain},
-        )
+        try:
+            result = minimize(
+                lambda p: -search.at(p)[0],
+                point,
+                jac=lambda p: -search.slopes_at(p)[0],
+                method="SLSQP",
+                constraints=constraints,
+                options={"maxiter": iterations, "ftol": gain},
+            )
+        except _Exhausted:
+            return point
         if not np.all(np.isfinite(result.x)):
             return point
         point = np.array(polygon.clip(np.asarray(result.x)[np.newaxis])[0], dtype=np.float64)
-        missed = float(np.max(search.limits - search.at(point)[1:], initial=0.0))
+        margins = search.rows(search.exact.values(point[np.newaxis]))[1:, 0]
+        missed = float(np.max(search.limits - margins, initial=0.0))
         if missed <= 0.0:
             search.try_points(point[np.newaxis])
             return point
-        if missed > 1e-3:
+        if not missed <= 1e-3:
             return point
         limits = limits + 2.0 * missed + 1e-12
     return point

@@ -271,11 +271,12 @@ class FiveBarMechanism(Mechanism):
     ) -> BoolArray:
         """Return which designs have links: r1 and r2 are above 0, and the margin.
 
-        In working modes "++" and "--" the base joints are apart, too: where r3 = 0, B1 = B2.
+        In working modes "++" and "--" the base joints are apart, too: where r3 = 0, B1 = B2,
+        and close to it the LCI varies over lengths of r3, which takes long to integrate.
         """
         least = np.array([margin, margin, -1.0])
         if mode is not None and mode_signs(mode)[0] == mode_signs(mode)[1]:
-            least[2] = margin
+            least[2] = 1e3 * margin
         return np.asarray(np.all(parameters > least, axis=1))
 
     def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
