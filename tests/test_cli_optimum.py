@@ -176,6 +176,9 @@ def test_quantities_of_several_modes_and_thresholds_must_be_chosen(
         (("--polish",), "--polish needs --pareto"),
         (("--where", "gci_error<=1e-6", "--refine"), "error estimates belong to the file"),
         (("--best", "-1"), "at least 0"),
+        (("--lci", "0.3"), "lci: 0.3 is not allowed; expected one of those in"),
+        (("--lci", "1.3"), "lci: 1.3 is not allowed; expected a number above 0 and below 1"),
+        (("--mode", "+-/down"), "mode: '+-/down' is not allowed; expected one of those in"),
     ],
 )
 def test_wrong_input_is_refused_and_nothing_written(
@@ -216,6 +219,30 @@ def test_an_atlas_is_never_replaced_by_a_table(
     ):
         assert "is the input" in refused("plot", *kind, picture, "--overwrite", "-o", picture)
     assert several.read_bytes() == before
+
+
+@pytest.mark.parametrize("kind", [("region",), ("pareto", "--pareto", "r1,gci")])
+@pytest.mark.parametrize(
+    ("wheres", "code", "message"),
+    [
+        (("gci>0.7", "gci<0.6"), 2, "contradict"),
+        (("gci>0.7",), 1, "the region is empty: no design has gci>0.7"),
+        (("usable_workspace_area>=28.2", "r1>=0.5", "gci>=0.65"), 1, "exclude each other"),
+    ],
+)
+def test_nothing_is_drawn_of_no_design(
+    refused: Refused,
+    file: Path,
+    tmp_path: Path,
+    kind: tuple[str, ...],
+    wheres: tuple[str, ...],
+    code: int,
+    message: str,
+) -> None:
+    output = tmp_path / "figure.svg"
+    conditions = [word for where in wheres for word in ("--where", where)]
+    assert message in refused("plot", *kind, file, *conditions, "-o", output, code=code)
+    assert not output.exists()
 
 
 def test_a_line_of_designs_is_no_region_but_has_a_maximum(atlas: Command, file: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -174,41 +175,57 @@ def size(
     pair = options.mode_pair(design, mode)
     threshold = _DEFAULT_LCI if lci is None else lci
     chosen.check_thresholds([threshold], "--lci")
-    ranges = [
-        ActuatorRange(number, math.radians(least), math.radians(greatest))
-        for number, least, greatest in actuator_ranges
-    ]
-    limits = [LinkLimit(*limit) for limit in link_ranges]
+    ranges, limits = [], []
+    typed: dict[str, tuple[str, str | None]] = {
+        "area": ("--area", area),
+        "rectangle": ("--rectangle", rectangle),
+        "circle": ("--circle", circle),
+        "clearance": ("--clearance", clearance),
+        "offset": ("--offset", _typed(offset or ())),
+        "factor step": ("--factor-step", _typed([factor_step])),
+        "actuator range": ("--actuator-range", None),
+        "link limit": ("--link-range", None),
+    }
+    for number, *angles in actuator_ranges:
+        one = {"actuator range": ("--actuator-range", _typed((number, *angles)))}
+        with options.as_typed(one):
+            ranges.append(ActuatorRange(number, *map(math.radians, angles)))
+    for limit in link_ranges:
+        typed[f"limits of {limit[0]}"] = ("--link-range", _typed(limit))
+        with options.as_typed(typed):
+            limits.append(LinkLimit(*limit))
     units = _Units(unit)
-    if area is not None:
-        squares = _area(area, units)
-        note_compilation()
-        machine = size_for_area(
-            design,
-            squares,
-            pair,
-            threshold,
-            unit=units.unit,
-            ranges=ranges,
-            limits=limits,
-            factor_step=factor_step,
-        )
-    else:
-        shape = _shape(rectangle, circle, polygon, clearance, units)
-        note_compilation()
-        machine = size_for_shape(
-            design,
-            shape,
-            pair,
-            threshold,
-            unit=units.unit,
-            placement=offset or (FREE if free else ON_AXIS),
-            ranges=ranges,
-            limits=limits,
-            factor_step=factor_step,
-        )
+    shown = None
+    with options.as_typed(typed):
+        if area is not None:
+            squares, shown = _area(area, units)
+            note_compilation()
+            machine = size_for_area(
+                design,
+                squares,
+                pair,
+                threshold,
+                unit=units.unit,
+                ranges=ranges,
+                limits=limits,
+                factor_step=factor_step,
+            )
+        else:
+            shape = _shape(rectangle, circle, polygon, clearance, units)
+            note_compilation()
+            machine = size_for_shape(
+                design,
+                shape,
+                pair,
+                threshold,
+                unit=units.unit,
+                placement=offset or (FREE if free else ON_AXIS),
+                ranges=ranges,
+                limits=limits,
+                factor_step=factor_step,
+            )
     resolution = None if encoder_resolution is None else math.radians(encoder_resolution)
-    text = MachineText(machine, resolution, force, area)
+    text = MachineText(machine, resolution, force, shown)
     run = Run(
         title=text.title,
         summary=text.summary,
@@ -264,10 +281,16 @@ def _length(option: str, text: str, units: _Units) -> float:
     return float(found[1])
 
 
-def _area(text: str, units: _Units) -> float:
-    """Return an area, and take note of the unit that it is in squares of."""
+def _typed(values: Iterable[object]) -> str:
+    """Return the values of an option as they may have been typed."""
+    shown = (f"{value:g}" if isinstance(value, float) else str(value) for value in values)
+    return " ".join(shown)
+
+
+def _area(text: str, units: _Units) -> tuple[float, str]:
+    """Return an area and its digits, and take note of the unit that it is in squares of."""
     found = _AREA.fullmatch(text)
     if found is None or not 0.0 < float(found[1]) < math.inf:
         raise InputError("--area", text, "an area above 0 such as 400 or 400mm2")
     units.note("--area", text, found[2])
-    return float(found[1])
+    return float(found[1]), found[1]

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from fivebar_atlas.errors import NoDesignError
 from fivebar_atlas.synthesis.candidates import Candidates
 from fivebar_atlas.synthesis.conditions import Condition
 from fivebar_atlas.synthesis.exact_values import has_exact_values
@@ -112,6 +113,16 @@ def explain_emptiness(empty: Candidates) -> Conflict:
 
 def _under(candidates: Candidates, conditions: Sequence[Condition]) -> Candidates:
     return Candidates(candidates.atlas, conditions, candidates.mode, candidates.lci)
+
+
+def check_not_empty(candidates: Candidates) -> None:
+    """Raise NoDesignError where no design of the lattice or between fulfils the conditions."""
+    if not candidates.is_empty:
+        return
+    together = [str(condition) for condition in _smallest_conflict(candidates)]
+    if len(together) == 1:
+        raise NoDesignError(f"the region is empty: no design has {together[0]}")
+    raise NoDesignError(f"the region is empty: {', '.join(together)} exclude each other")
 
 
 def _smallest_conflict(empty: Candidates) -> tuple[Condition, ...]:

@@ -143,14 +143,23 @@ def region(
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
     from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
-    from fivebar_atlas.synthesis.conditions import parse_condition
-    from fivebar_atlas.synthesis.optimum_region import optimum_region
+    from fivebar_atlas.synthesis.candidates import Candidates
+    from fivebar_atlas.synthesis.conditions import (
+        check_conditions,
+        check_contradictions,
+        parse_condition,
+    )
+    from fivebar_atlas.synthesis.empty_region import check_not_empty
 
     check_figure_output(output, overwrite)
     check_is_no_input(output, Path(file))
     conditions = [parse_condition(where) for where in wheres]
     with open_atlas(file) as atlas, options.asked_to_choose():
-        found = optimum_region(atlas, conditions, mode, lci)
+        check_conditions(conditions, atlas)
+        check_contradictions(conditions)
+        candidates = Candidates(atlas, conditions, mode, lci)
+        check_not_empty(candidates)
+        found = candidates.region
         figure = draw_region(atlas, found.region, conditions, mode, lci, width=width)
         parameters = atlas.mechanism.parameters
     save_figure(figure, output, overwrite)
@@ -203,22 +212,26 @@ def pareto(
     from fivebar_atlas.store import open_atlas
     from fivebar_atlas.synthesis.candidates import Candidates
     from fivebar_atlas.synthesis.conditions import (
+        check_conditions,
         check_contradictions,
         condition_names,
         parse_condition,
     )
+    from fivebar_atlas.synthesis.empty_region import check_not_empty
     from fivebar_atlas.synthesis.objectives import parse_directions
     from fivebar_atlas.synthesis.pareto import pareto_front, polished_front
 
     check_figure_output(output, overwrite)
     check_is_no_input(output, Path(file))
     conditions = [parse_condition(where) for where in wheres]
-    check_contradictions(conditions)
     with open_atlas(file) as atlas, options.asked_to_choose():
+        check_conditions(conditions, atlas)
+        check_contradictions(conditions)
         directions = parse_directions(quantities, condition_names(atlas), "--pareto")
         if len(directions) != 2:
             raise InputError("--pareto", quantities, "two quantities, the axes of the figure")
         candidates = Candidates(atlas, conditions, mode, lci)
+        check_not_empty(candidates)
         front = pareto_front(candidates, directions)
         if polish:
             front = polished_front(candidates, front)
