@@ -29,6 +29,9 @@ _APART = 0.7
 # Distance from the border of what lies beside it, in radii: where values jump at a border they
 # may cost a lot to compute very close to it.
 _BESIDE = 0.25
+# Rays from a corner, by the share of the second side, and distances along them in spacings.
+_FAN = np.linspace(0.05, 0.95, 10)
+_CLOSER = 2.0 ** -np.arange(7.0)
 # Places to start from, of each ranking.
 _STARTS = (4, 2)
 
@@ -54,7 +57,7 @@ def explored(
     ndarray
         Shape (m, 2), the best of those that are allowed first.
     """
-    points = np.vstack([starts, _along_sides(polygon, spacing)])
+    points = np.vstack([starts, _along_sides(polygon, spacing), _near_corners(polygon, spacing)])
     as_they_are, nearly = scores(points)
     rings = int(np.clip(np.ceil(spacing / _PITCH), _FEWEST_RINGS, _MOST_RINGS))
     for radius, counts in _LEVELS:
@@ -103,6 +106,17 @@ def _along_sides(polygon: DesignPolygon, spacing: float) -> FloatArray:
         parts.append(start + shares * (end - start))
     sides = np.vstack(parts)
     return np.vstack([sides, _inward(polygon, sides, _BESIDE * spacing)])
+
+
+def _near_corners(polygon: DesignPolygon, spacing: float) -> FloatArray:
+    """Return points ever closer to the corners of the polygon, where values change fast."""
+    after = np.roll(polygon.corners, -1, axis=0) - polygon.corners
+    before = np.roll(polygon.corners, 1, axis=0) - polygon.corners
+    sides = [each / np.linalg.norm(each, axis=1, keepdims=True) for each in (after, before)]
+    fan = [(1.0 - share) * sides[0] + share * sides[1] for share in _FAN]
+    return np.concatenate(
+        [polygon.corners + spacing * distance * ray for distance in _CLOSER for ray in fan]
+    )
 
 
 def _unique(points: FloatArray) -> FloatArray:

@@ -35,6 +35,8 @@ _FEW_EVALUATIONS, _FEW_ITERATIONS, _GAIN_OF_SEARCH = 60, 30, 1e-9
 _FIRST_TRIAL, _LAST_TRIAL = 1e-4, 2e-9
 _TRIAL_DIRECTIONS = 12
 _TRIALS_EACH = 8
+# How much further a trial that was better leads.
+_FURTHER = 2.0 ** np.arange(1.0, 9.0)[:, np.newaxis]
 # Trials that gain less than this share of the objective's scale have found the optimum, and a
 # gain of less than this is rounding.
 _GAIN, _NO_GAIN = 1e-8, 1e-11
@@ -288,15 +290,21 @@ def _climb(
 
 
 def _try_around(search: _Search) -> None:
-    """Try points around the best one, ever closer, and the nearest ones on the border."""
+    """Try points around the best one, ever closer, and the nearest ones on the border.
+
+    Where one is better, those further on in the same direction, too: along a ridge they are.
+    """
     step, turn = _FIRST_TRIAL, 0.0
     while step >= _LAST_TRIAL:
         for _ in range(_TRIALS_EACH):
-            assert search.best is not None
+            before = search.best
+            assert before is not None
             angles = turn + np.linspace(0.0, 2.0 * np.pi, _TRIAL_DIRECTIONS, endpoint=False)
-            ring = search.best + step * np.column_stack([np.cos(angles), np.sin(angles)])
-            if not search.try_points(np.vstack([ring, search.polygon.feet(search.best, step)])):
+            ring = before + step * np.column_stack([np.cos(angles), np.sin(angles)])
+            if not search.try_points(np.vstack([ring, search.polygon.feet(before, step)])):
                 break
+            assert search.best is not None
+            search.try_points(search.best + _FURTHER * (search.best - before))
         step *= 0.4
         turn += 0.4
 
