@@ -228,8 +228,9 @@ def test_what_is_infeasible_says_why_and_what_comes_closest() -> None:
     for extra, message in cases:
         with pytest.raises(InfeasibleSizeError, match=message):
             size_for_shape(design, shape, "+-/up", **extra)  # type: ignore[arg-type]
-    with pytest.raises(InfeasibleSizeError, match=r"is empty at LCI 0\.99; the largest LCI is 0\."):
-        size_for_shape(design, shape, "++/up", 0.99)
+    slow = planar_design(3.0, 26.0, 1.0, unit="")
+    with pytest.raises(InfeasibleSizeError, match=r"at LCI 0\.5; the largest LCI is 0\.1557"):
+        size_for_shape(slow, shape, "+-/up")
     with pytest.raises(InfeasibleSizeError, match="θ1 turns fully"):
         size_for_area(
             planar_design(*PAPER, unit=""),

@@ -26,6 +26,8 @@ _COMMANDS = {
     "evaluate": "Evaluate one design.",
     "size": "Size a machine for a practical workspace.",
     "report": "Write a run of another command as one HTML page.",
+    "square": "Find the largest square workspace, after Le, Kang and Doan.",
+    "design": "Find the best machines for a practical workspace.",
     "optimum": "Find the region where conditions hold, and the best designs in it.",
     "lookup": "Look up one machine in an atlas.",
     "animate": "Show a linkage that follows a path.",

@@ -80,7 +80,7 @@ class MachineText:
         yield from _row_lines(self._practical_workspace())
         yield ""
         for quantity, value, _ in self._indices():
-            yield _line(quantity.name, value)
+            yield text_line(quantity.name, value)
         yield ""
         yield from _row_lines([*self._inputs(), *self._worst_cases()])
         yield ""
@@ -263,11 +263,11 @@ class MachineText:
 def _row_lines(rows: Iterable[Row]) -> Iterator[str]:
     """Yield the line of every row, and its note below it."""
     for row in rows:
-        yield _line(row.label, row.value, row.error)
+        yield text_line(row.label, row.value, row.error)
         if row.note:
-            yield _line("", row.note)
+            yield text_line("", row.note)
 
 
-def _line(label: str, value: str, more: str = "") -> str:
+def text_line(label: str, value: str, more: str = "") -> str:
     """Return a line of the report."""
     return f"{label:{_LABEL_WIDTH}}{value}{'  ' + more if more else ''}".rstrip()

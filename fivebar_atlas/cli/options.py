@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import difflib
 import functools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -25,7 +25,7 @@ _LONGEST_UNIT = 16
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def _together(*decorators: Callable[[Any], Any]) -> Callable[[Function], Function]:
+def together(*decorators: Callable[[Any], Any]) -> Callable[[Function], Function]:
     """Return one decorator that adds several options, in the order of the help."""
     return lambda function: functools.reduce(
         lambda decorated, decorator: decorator(decorated), reversed(decorators), function
@@ -92,7 +92,7 @@ lci_option = click.option(
 tolerance_option = click.option(
     "--tolerance", type=float, metavar="VALUE", help="Relative tolerance, 1e-10 to 1e-3."
 )
-sweep_options = _together(
+sweep_options = together(
     mechanism_option,
     click.option(
         "--resolution", type=int, metavar="N", help="Lattice steps; designs are (i, j, k)·3/N."
@@ -107,7 +107,7 @@ sweep_options = _together(
     click.option("-o", "--output", metavar="FILE.h5", help="Result file."),
 )
 #: One design in the plane; ``planar_design`` takes what they give.
-design_options = _together(
+design_options = together(
     lengths_argument,
     mechanism_option,
     click.option(
@@ -209,3 +209,9 @@ def asked_to_choose() -> Iterator[None]:
         if error.value is not None:
             raise
         raise click.UsageError(f"--{error.name} must be given: {error.allowed}") from None
+
+
+def typed(values: Iterable[object]) -> str:
+    """Return the values of an option as they may have been typed."""
+    shown = (f"{value:g}" if isinstance(value, float) else str(value) for value in values)
+    return " ".join(shown)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fivebar_atlas.report.content import Picture
 
 #: The commands whose runs can be reported: they end in ``present``.
-REPORTABLE = ("evaluate", "optimum", "size")
+REPORTABLE = ("evaluate", "optimum", "size", "square", "design")
 
 #: Parameters of a command that say where its results go, with what they are in a report.
 _OUTPUTS: dict[str, Any] = {"as_json": False, "output": None, "overwrite": False}

@@ -115,7 +115,7 @@ def lci_figure(
         rows = [[KeyEntry(below_threshold(design, mode, least), {})]]
     else:
         found = design.largest_lci(mode)
-        edges = _band_edges(least, 1.0 if found is None else found[0], levels)
+        edges = band_edges(least, 1.0 if found is None else found[0], levels)
     if lci_threshold is not None:
         rows.append([KeyEntry("boundary of the usable workspace", OUTLINE)])
     rows += overlay_rows(overlays)
@@ -134,7 +134,7 @@ def lci_figure(
             if lci_threshold is None:
                 fill_region(frame, region, "band-1", facecolor=colours[0], edgecolor="none")
             _draw_bands(frame, field, region, edges, colours, drawn, data)
-            used = draw_bar(frame, colours, _edge_texts(edges), _LABEL)
+            used = draw_bar(frame, colours, edge_texts(edges), _LABEL)
         if data is not None:
             _record_samples(field, least, data)
         draw_outline(frame, region.arcs, data)
@@ -143,7 +143,7 @@ def lci_figure(
         return frame.figure
 
 
-def _band_edges(least: float, greatest: float, levels: Sequence[float] | None) -> FloatArray:
+def band_edges(least: float, greatest: float, levels: Sequence[float] | None) -> FloatArray:
     """Return ascending edges of bands that cover the values from the least on."""
     if levels is not None:
         return np.unique([least, *levels, 1.0])
@@ -151,7 +151,7 @@ def _band_edges(least: float, greatest: float, levels: Sequence[float] | None) -
     return np.concatenate([[least], edges[edges > least]])
 
 
-def _edge_texts(edges: FloatArray) -> list[str]:
+def edge_texts(edges: FloatArray) -> list[str]:
     """Return edges as text, all with the decimals that one of them needs."""
     decimals = max(len(f"{edge:.6g}".partition(".")[2]) for edge in edges)
     return [f"{edge:.{decimals}f}" for edge in edges]
@@ -170,7 +170,7 @@ def _draw_bands(
 
     Labels keep off the outlines of overlays.
     """
-    texts = _edge_texts(edges)
+    texts = edge_texts(edges)
     contours: dict[str, list[FloatArray]] = {}
     for number, (edge, colour) in enumerate(zip(edges, colours, strict=False), start=1):
         if edge == 0.0:  # the whole usable workspace, whose outline is exact
@@ -190,13 +190,13 @@ def _draw_bands(
         for loop in region.polygons(flatness(*frame.corners))
     ]
     border += [outline * frame.scale for outline in overlays]
-    _label_contours(frame, contours, border)
+    label_contours(frame, contours, border)
 
 
-def _label_contours(
+def label_contours(
     frame: PlaneFrame, contours: Mapping[str, Sequence[FloatArray]], outline: Sequence[FloatArray]
 ) -> None:
-    """Write the level on its contours, where no other contour and no outline is near."""
+    """Write the level on its closed contours, where no other contour and no outline is near."""
     dense = {
         text: [points_along(line, _SPACING) for line in lines] for text, lines in contours.items()
     }

@@ -105,6 +105,7 @@ def plane_frame(
     title: str,
     width: float,
     below: float,
+    labels: tuple[str, str] | None = None,
 ) -> PlaneFrame:
     """Make a figure with one panel.
 
@@ -120,13 +121,15 @@ def plane_frame(
         Width of the figure in millimetres.
     below
         Room to leave below the panel and its axis label, in millimetres.
+    labels
+        Labels of the axes; x and y in their unit if not given.
 
     Raises
     ------
     InputError
         If the width is not a number in the range of figure widths.
     """
-    return plane_frames(bounds, unit, title, [()], 1, width, below)[0]
+    return plane_frames(bounds, unit, title, [()], 1, width, below, labels)[0]
 
 
 def plane_frames(
@@ -137,12 +140,13 @@ def plane_frames(
     columns: int,
     width: float,
     below: float,
+    labels: tuple[str, str] | None = None,
 ) -> list[PlaneFrame]:
     """Make a figure with panels of one size that show the same part of the plane.
 
     Parameters
     ----------
-    bounds, unit, title, width, below
+    bounds, unit, title, width, below, labels
         As in :func:`plane_frame`.
     captions
         For each panel the lines written above it; all have as many.
@@ -161,7 +165,7 @@ def plane_frames(
     """
     check_width(width)
     rows = math.ceil(len(captions) / columns)
-    x_label, y_label = (coordinate_label(symbol, unit) for symbol in ("$x$", "$y$"))
+    x_label, y_label = labels or (coordinate_label("$x$", unit), coordinate_label("$y$", unit))
     label_height = text_size(x_label, style.AXIS_LABEL_SIZE)[1]
     right = _PADDING + 1.5
     widest = 4.0

@@ -21,6 +21,7 @@ def active_constraints(
     scale: float,
     contacts: FloatArray,
     tolerance: float,
+    inside: bool = False,
 ) -> tuple[str, ...]:
     """Return the limits that hold with equality, each with where on the shape it does.
 
@@ -39,6 +40,8 @@ def active_constraints(
         shape (n, 2).
     tolerance
         Margins up to this hold with equality.
+    inside
+        Whether the points are in the interior, not on the boundary.
     """
     if not len(contacts):
         return ()
@@ -51,8 +54,11 @@ def active_constraints(
             limits.update(_ends(each, inputs[:, each.number - 1]))
     active = []
     for name, margins in limits.items():
-        places = _places(shape, contacts[margins <= tolerance])
-        active += [f"{name} at {place}" for place in places]
+        touching = contacts[margins <= tolerance]
+        if inside and len(touching):
+            active.append(f"{name} inside")
+        elif not inside:
+            active += [f"{name} at {place}" for place in _places(shape, touching)]
     return tuple(active)
 
 

@@ -21,7 +21,7 @@ from fivebar_atlas.synthesis.active_constraints import active_constraints
 from fivebar_atlas.synthesis.containment import INSIDE, GoodCondition, prove
 from fivebar_atlas.synthesis.design_polygon import DesignPolygon
 from fivebar_atlas.synthesis.least_lci import least_lci
-from fivebar_atlas.synthesis.machine_polish import DesignLine, MachinePolish, Polished
+from fivebar_atlas.synthesis.machine_polish import MachinePolish, Polished
 from fivebar_atlas.synthesis.machine_search import MachineTask, find_starts
 from fivebar_atlas.synthesis.placement import Fit
 from fivebar_atlas.synthesis.practical_workspace import PracticalWorkspace
@@ -34,6 +34,8 @@ _FEW_ROUNDS = 6
 _SAME = 0.01
 # Squares of one size that a proof may take: contacts may lie all along a curve.
 _MOST_SQUARES = 4_000_000
+# Lattice steps where it only matters whether there is a machine, and halvings of a threshold.
+_CLOSER, _HALVINGS = 48, 10
 # Margins of LCI and inputs, and of lengths as a share, that count as active.
 _ACTIVE = 1e-6
 
@@ -74,7 +76,7 @@ class RankedMachine:
 def best_machines(
     task: MachineTask,
     count: int = 3,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
 ) -> list[RankedMachine]:
     """Return the best machines for a practical workspace, distinct from one another.
 
@@ -85,7 +87,7 @@ def best_machines(
     count
         How many machines at most.
     progress
-        Called with the designs done and all designs.
+        Called with what is counted ("designs", then "starts"), how many are done, and all.
 
     Returns
     -------
@@ -97,24 +99,20 @@ def best_machines(
     InfeasibleSizeError
         If no machine fulfils all constraints; says what comes closest.
     """
-    starts = find_starts(task, progress)
+    said = progress or (lambda things, done, total: None)  # noqa: ARG005
+    starts = find_starts(task, lambda done, total: said("designs", done, total))
     polish = MachinePolish(task)
     placed = [each for each in map(polish.placed, starts) if each is not None]
     if not placed:
         raise InfeasibleSizeError(_why_none(task))
-    found = _distinct([polish.polish(each, _FEW_ROUNDS) for each in placed], count)
+    found = []
+    for number, each in enumerate(placed, start=1):
+        found.append(polish.polish(each, _FEW_ROUNDS))
+        said("starts", number, len(placed))
+    found = _distinct(found, count)
     found = _distinct([polish.polish(each) for each in found], count)
     ranked = [_verified(task, each) for each in found]
     return sorted(ranked, key=lambda each: each.value)
-
-
-def best_on_line(
-    task: MachineTask, line: DesignLine | None, starts: Sequence[Polished]
-) -> Polished | None:
-    """Return the best placement that is polished from starts, on a line of the chart."""
-    polish = MachinePolish(task, line)
-    found = [polish.polish(each) for each in starts]
-    return min(found, key=lambda each: each.value, default=None)
 
 
 def _distinct(found: Sequence[Polished], count: int) -> list[Polished]:
@@ -171,8 +169,12 @@ def _verified(task: MachineTask, placed: Polished) -> RankedMachine:
         if abs(gap) < _ACTIVE
     ]
     inner, inner_values = search.worst_inside(placed.centre, scale)
-    contacts = np.concatenate([fit.contacts, inner[inner_values < _ACTIVE]])
-    active = active_constraints(good, task.shape, centre, scale, contacts, _ACTIVE)
+    active = [
+        *active_constraints(good, task.shape, centre, scale, fit.contacts, _ACTIVE),
+        *active_constraints(
+            good, task.shape, centre, scale, inner[inner_values < _ACTIVE], _ACTIVE, inside=True
+        ),
+    ]
     limits = [name for name, margin in margins.items() if name[0] == "R" and margin < _ACTIVE]
     return RankedMachine(machine, _value(task, machine), (*active, *limits, *borders), margins)
 
@@ -217,32 +219,33 @@ def _margins(task: MachineTask, machine: Machine) -> dict[str, float]:
 
 def _why_none(task: MachineTask) -> str:
     """Return what excludes all machines, and how far each limit alone would have to give."""
-    what = f"no machine for the {task.shape.name} {task.unit}"
+    what = f"no machine for the {task.shape.name_in(task.unit)}"
     relaxed = {
-        "actuator ranges": dataclasses.replace(task, ranges=()),
-        "limits on lengths": dataclasses.replace(task, limits=()),
-        f"LCI threshold {task.lci_threshold:g}": dataclasses.replace(task, lci_threshold=0.01),
+        "the actuator ranges": dataclasses.replace(task, ranges=()),
+        "the limits on lengths": dataclasses.replace(task, limits=()),
+        f"the LCI threshold {task.lci_threshold:g}": dataclasses.replace(task, lci_threshold=0.01),
     }
     given = {
-        "actuator ranges": any(each.is_limiting for each in task.ranges),
-        "limits on lengths": bool(task.limits),
+        "the actuator ranges": any(each.is_limiting for each in task.ranges),
+        "the limits on lengths": bool(task.limits),
     }
-    helps = [
-        name
-        for name, other in relaxed.items()
-        if given.get(name, True) and find_starts(other, resolution=_CLOSER)
-    ]
+    helps = []
+    for name, other in relaxed.items():
+        starts = find_starts(other, resolution=_CLOSER) if given.get(name, True) else []
+        if starts:
+            lengths = starts[0].parameters / starts[0].scale
+            text = ", ".join(
+                f"{parameter.name.upper()} = {length:.4g}"
+                for parameter, length in zip(task.mechanism.parameters, lengths, strict=True)
+            )
+            helps.append(f"without {name} (best with about {text} {task.unit})")
     if not helps:
         return f"{what}: none is found without any one of its limits, either"
-    text = f"{what} keeps all limits; one is found without {' or without '.join(helps)}"
+    text = f"{what} keeps all limits; one is found {' or '.join(helps)}"
     threshold = _largest_threshold(task)
     if threshold is not None:
         text += f"; with the other limits kept the LCI is at most about {threshold:.3g}"
     return text
-
-
-# Lattice steps where it only matters whether there is a machine, and halvings of a threshold.
-_CLOSER, _HALVINGS = 48, 10
 
 
 def _largest_threshold(task: MachineTask) -> float | None:

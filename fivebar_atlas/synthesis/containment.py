@@ -83,6 +83,19 @@ class ActuatorRange:
         return np.asarray(half - np.abs(off))
 
 
+def check_ranges(ranges: Sequence[ActuatorRange], design: PlanarDesign, mode: str) -> None:
+    """Raise InputError unless ranges are of inputs that there are, one for each at most."""
+    if not ranges:
+        return
+    inputs = design.inputs(np.zeros(1), np.zeros(1), mode).shape[1]
+    for each in ranges:
+        if not 1 <= each.number <= inputs:
+            raise InputError("actuator range", each.number, f"an actuator from 1 to {inputs}")
+    numbers = [each.number for each in ranges]
+    if len(set(numbers)) < len(numbers):
+        raise InputError("actuator range", numbers, "one range for each actuator")
+
+
 @dataclasses.dataclass(frozen=True)
 class GoodCondition:
     """What is asked of every point of a practical workspace.
@@ -97,12 +110,20 @@ class GoodCondition:
         Least LCI, in (0, 1).
     ranges
         Ranges of actuators.
+
+    Raises
+    ------
+    InputError
+        If there is no such actuator, or an actuator has two ranges.
     """
 
     design: PlanarDesign
     mode: str
     lci_threshold: float
     ranges: tuple[ActuatorRange, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_ranges(self.ranges, self.design, self.mode)
 
     def margins(self, points: FloatArray) -> FloatArray:
         """Return how far points are from not being good; negative where they are not.

@@ -20,7 +20,7 @@ from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.planar import PlanarDesign
 from fivebar_atlas.planar_geometry import CircleArc, FloatArray, Point
 from fivebar_atlas.synthesis.active_constraints import active_constraints
-from fivebar_atlas.synthesis.containment import ActuatorRange, GoodCondition, Proof
+from fivebar_atlas.synthesis.containment import ActuatorRange, GoodCondition, Proof, check_ranges
 from fivebar_atlas.synthesis.scale_search import ROUNDS, ScaleSearch, Touch, largest_at
 from fivebar_atlas.synthesis.shapes import Shape
 
@@ -36,6 +36,8 @@ IN_CIRCLE = "maximal inscribed circle"
 
 # Margins up to this hold with equality.
 _ACTIVE = 1e-10
+# The same where the centre comes from a search that keeps a small margin.
+_CLOSE = 1e-7
 # Chords of an outline whose extent is all that matters may leave it by so much.
 _ANY_DEVIATION = 1e-3
 # Positions of a scan of the axis, and local maxima among them that are closed in on.
@@ -84,6 +86,8 @@ class SquareTask:
         self.mechanism.parse_mode(self.mode)
         if not (math.isfinite(self.aspect) and self.aspect > 0.0):
             raise InputError("aspect", self.aspect, "a finite ratio of width to height above 0")
+        some = self.mechanism.planar_design(self.mechanism.optimal_configuration(2.0).lengths, "")
+        check_ranges(self.ranges, some, self.mode)
         for name, value, known in (
             ("centre", self.centre, CENTRES),
             ("half", self.half, HALVES),
@@ -122,7 +126,7 @@ class Square:
     contacts
         Its points that touch, in the plane.
     proof
-        Proof that all of it is good; None where there is no square.
+        Proof that all of it is good; None where there is no square or none was asked for.
     """
 
     task: SquareTask
@@ -155,7 +159,7 @@ def unit_design(mechanism: Mechanism, lengths: tuple[float, ...]) -> tuple[Plana
     return mechanism.planar_design(lengths, ""), mechanism.from_lengths(lengths)[1]
 
 
-def largest_square(task: SquareTask, lengths: tuple[float, ...]) -> Square:
+def largest_square(task: SquareTask, lengths: tuple[float, ...], is_proved: bool = True) -> Square:
     """Return the largest square of a machine.
 
     Parameters
@@ -164,6 +168,8 @@ def largest_square(task: SquareTask, lengths: tuple[float, ...]) -> Square:
         What is asked of it.
     lengths
         Lengths of the machine, the first one 1.
+    is_proved
+        Whether it is proved that all of it is good.
 
     Returns
     -------
@@ -181,24 +187,69 @@ def largest_square(task: SquareTask, lengths: tuple[float, ...]) -> Square:
     scaled = None if circle is None else circle.scaled(factor)
     shape = task.shape
     if task.centre == AXIS:
-        centre, touch = _largest_on_axis(good, shape, task.half)
+        centre, touch = _largest_on_axis(good, shape, task.half, is_proved)
         limit = math.inf
     elif circle is not None:
         centre = np.array(circle.centre)
         limit = circle.radius / float(np.hypot(*shape.corners[0]))
-        touch = largest_at(good, shape, centre, limit)
+        touch = largest_at(good, shape, centre, limit, is_proved)
     else:
         return Square(task, lengths, 0.0, (math.nan, math.nan), None, (), (), None)
     active = active_constraints(good, shape, centre, touch.scale, touch.contacts, _ACTIVE)
     if touch.scale == limit:
         active = (IN_CIRCLE, *active)
+    return _square(task, lengths, factor, centre, scaled, touch, active)
+
+
+def square_at(
+    task: SquareTask,
+    lengths: tuple[float, ...],
+    good: GoodCondition,
+    factor: float,
+    centre: FloatArray,
+    scale: float,
+) -> Square:
+    """Return the square at a centre that is given, no larger than at a scale.
+
+    Parameters
+    ----------
+    task
+        What is asked of it.
+    lengths
+        Lengths of the machine, the first one 1.
+    good
+        The same for the points of the non-dimensional design.
+    factor
+        Dimensional factor of the machine.
+    centre
+        Centre in the non-dimensional design, shape (2,).
+    scale
+        Side in it.
+    """
+    touch = largest_at(good, task.shape, centre, scale)
+    circle = _circle(good.design, task)
+    scaled = None if circle is None else circle.scaled(factor)
+    active = active_constraints(good, task.shape, centre, touch.scale, touch.contacts, _CLOSE)
+    return _square(task, lengths, factor, centre, scaled, touch, active)
+
+
+def _square(
+    task: SquareTask,
+    lengths: tuple[float, ...],
+    factor: float,
+    centre: FloatArray,
+    circle: CircleArc | None,
+    touch: Touch,
+    active: tuple[str, ...],
+) -> Square:
+    """Return a square from what is known of it in the non-dimensional design."""
     points = factor * (centre + touch.scale * touch.contacts)
     return Square(
         task=task,
         lengths=lengths,
         side=factor * touch.scale,
         centre=(factor * float(centre[0]), factor * float(centre[1])),
-        circle=scaled,
+        circle=circle,
         active=active,
         contacts=tuple((float(x), float(y)) for x, y in points),
         proof=touch.proof,
@@ -242,7 +293,7 @@ def check_ranges_allow(task: SquareTask, ratio: float) -> None:
     x, y = (np.array([part / factor]) for part in optimal.output)
     inputs = design.inputs(x, y, optimal.mode)[0]
     reasons = []
-    for each in task.ranges:
+    for each in GoodCondition(design, optimal.mode, task.lci_threshold, task.ranges).ranges:
         angle = inputs[each.number - 1]
         room = float(each.margins(np.array([angle]))[0])
         if each.is_limiting and room < 0.0:
@@ -260,7 +311,9 @@ def _circle(design: PlanarDesign, task: SquareTask) -> CircleArc | None:
     return max(circles, key=lambda each: each.radius, default=None)
 
 
-def _largest_on_axis(good: GoodCondition, shape: Shape, half: str) -> tuple[FloatArray, Touch]:
+def _largest_on_axis(
+    good: GoodCondition, shape: Shape, half: str, is_proved: bool
+) -> tuple[FloatArray, Touch]:
     """Return the centre on a half of the y axis with the largest scale, and that scale."""
     workspace = good.design.usable_workspace(good.mode)
     if workspace is None:
@@ -282,7 +335,7 @@ def _largest_on_axis(good: GoodCondition, shape: Shape, half: str) -> tuple[Floa
         if scale <= best[1].scale:
             break
         # smaller than that where it is around a hole that its boundary cannot see
-        touch = largest_at(good, shape, centre, scale)
+        touch = largest_at(good, shape, centre, scale, is_proved)
         best = max(best, (centre, touch), key=lambda each: each[1].scale)
     return best
 

@@ -270,7 +270,10 @@ DEFAULT_RESOLUTION, DEFAULT_FORCE = 1e-4, 1.0
 
 
 def goal_named(
-    name: str, resolution: float = DEFAULT_RESOLUTION, force: float = DEFAULT_FORCE
+    name: str,
+    resolution: float = DEFAULT_RESOLUTION,
+    force: float = DEFAULT_FORCE,
+    option: str = "goal",
 ) -> Goal:
     """Return a goal by its name.
 
@@ -282,6 +285,8 @@ def goal_named(
         Encoder resolution in radians, for the positioning error.
     force
         Force in newtons, for the joint torque.
+    option
+        Name of the input in errors.
 
     Raises
     ------
@@ -298,5 +303,5 @@ def goal_named(
         ActuatedLink(),
     )
     if name not in GOALS:
-        raise UnknownNameError("goal", name, GOALS)
+        raise UnknownNameError(option, name, GOALS)
     return made[GOALS.index(name)]

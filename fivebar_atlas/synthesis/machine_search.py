@@ -18,7 +18,7 @@ from fivebar_atlas.executors import ThreadExecutor
 from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.planar import PlacementScan
 from fivebar_atlas.planar_geometry import FloatArray
-from fivebar_atlas.synthesis.containment import ActuatorRange
+from fivebar_atlas.synthesis.containment import ActuatorRange, check_ranges
 from fivebar_atlas.synthesis.link_limits import LinkLimit, check_names
 from fivebar_atlas.synthesis.machine_goals import Goal
 from fivebar_atlas.synthesis.placement import FREE, ON_AXIS
@@ -96,6 +96,9 @@ class MachineTask:
         if not self.space:
             object.__setattr__(self, "space", self.mechanism.spaces[-1])
         self.mechanism.check_space(self.space)
+        lattice = self.mechanism.lattice(self.space, _RESOLUTION)
+        some = self.mechanism.planar_design([*lattice[len(lattice) // 2]], "")
+        check_ranges(self.ranges, some, self.modes[0])
         check_names([parameter.name for parameter in self.mechanism.parameters], self.limits)
 
     @property

@@ -405,15 +405,13 @@ class Touch:
     contacts
         Points of the shape that touch, relative to its centre and in its lengths, shape (n, 2).
     proof
-        Proof that all of it is good at the scale less the allowance.
-    holes
-        Points that are not good, in the plane, which proofs stumbled on.
+        Proof that all of it is good at the scale less the allowance; None where that was not
+        asked for.
     """
 
     scale: float
     contacts: FloatArray
     proof: Proof | None
-    holes: tuple[FloatArray, ...] = ()
 
 
 def largest_at(
@@ -421,9 +419,9 @@ def largest_at(
     shape: Shape,
     position: FloatArray,
     limit: float,
-    holes: Sequence[FloatArray] = (),
+    is_proved: bool = True,
 ) -> Touch:
-    """Return the largest scale of a shape about a point that is good up to it, proved.
+    """Return the largest scale of a shape about a point that is good up to it.
 
     Parameters
     ----------
@@ -435,18 +433,25 @@ def largest_at(
         Its centre in non-dimensional lengths, shape (2,).
     limit
         Largest scale that is asked for.
-    holes
-        Points of the plane, shape (2,) each, that are known not to be good.
+    is_proved
+        Whether that is proved; otherwise holes are looked for on samples.
     """
-    search = ScaleSearch(good, shape, None, limit, [*holes])
+    search = ScaleSearch(good, shape, None, limit, [])
     scale, proof = 0.0, None
     for _ in range(PROOFS):
         scale = search.largest_scale(position, limit)
         if scale == 0.0:
             return Touch(0.0, np.empty((0, 2)), None)
-        proof = prove(good, shape, position, scale * (1.0 - ALLOWANCE))
-        if proof.witness is None:
+        within = scale * (1.0 - ALLOWANCE)
+        if is_proved:
+            proof = prove(good, shape, position, within)
+            witness = proof.witness
+        else:
+            points, values = search.worst_inside(position, within)
+            lowest = int(np.argmin(values)) if len(values) else 0
+            witness = points[lowest] if len(values) and values[lowest] < 0.0 else None
+        if witness is None:
             break
-        search.holes.append(position + scale * (1.0 - ALLOWANCE) * proof.witness)
+        search.holes.append(position + within * witness)
     points, values = search.worst(position, scale)
-    return Touch(scale, points[values < TOUCHING], proof, tuple(search.holes[len(holes) :]))
+    return Touch(scale, points[values < TOUCHING], proof)

@@ -453,13 +453,6 @@ def _good(
     if design.unit:
         raise InputError("design", design.unit, "a non-dimensional design, of unit ''")
     pair = mechanism.parse_mode(mode)
-    inputs = design.inputs(np.zeros(1), np.zeros(1), pair).shape[1]
-    for each in ranges:
-        if not 1 <= each.number <= inputs:
-            raise InputError("actuator range", each.number, f"an actuator from 1 to {inputs}")
-    numbers = [each.number for each in ranges]
-    if len(set(numbers)) < len(numbers):
-        raise InputError("actuator range", numbers, "one range for each actuator")
     return GoodCondition(design, pair, lci_threshold, tuple(ranges))
 
 

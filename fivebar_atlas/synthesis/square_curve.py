@@ -12,8 +12,6 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 
-import numpy as np
-
 from fivebar_atlas.errors import InputError
 from fivebar_atlas.synthesis.largest_square import Square, SquareTask, largest_square
 
@@ -48,11 +46,11 @@ class SquareCurve:
     Attributes
     ----------
     squares
-        One for each ratio, in rising order.
+        One for each ratio, in rising order, without proofs.
     pieces
         Ranges with the same active constraints, in order and without gaps.
     largest
-        The largest square over the whole range; None where there is none.
+        The largest square over the whole range, proved; None where there is none.
     is_kink
         Whether the largest one is where two pieces meet.
     """
@@ -106,7 +104,7 @@ def square_curve(
     """
 
     def at(ratio: float) -> Square:
-        return largest_square(task, task.mechanism.optimal_configuration(ratio).lengths)
+        return tied_square(task, ratio, is_proved=False)
 
     squares = []
     for number, ratio in enumerate(ratios, start=1):
@@ -115,7 +113,26 @@ def square_curve(
             progress(number, len(ratios))
     pieces = _pieces(at, squares)
     largest, is_kink = _largest(at, squares, pieces)
+    if largest is not None:
+        largest = tied_square(task, largest.ratio)
+    if largest is not None and is_kink:
+        largest = dataclasses.replace(largest, active=_active_at_kink(pieces, largest.ratio))
     return SquareCurve(tuple(squares), pieces, largest, is_kink)
+
+
+def _active_at_kink(pieces: Sequence[Piece], ratio: float) -> tuple[str, ...]:
+    """Return the constraints on both sides of the kink next to a ratio.
+
+    At a kink that is known to rounding only those of one side are met to rounding.
+    """
+    left, right = min(itertools.pairwise(pieces), key=lambda pair: abs(pair[0].end - ratio))
+    return tuple(dict.fromkeys((*left.active, *right.active)))
+
+
+def tied_square(task: SquareTask, ratio: float, is_proved: bool = True) -> Square:
+    """Return the largest square where l0 follows from the ratio of links by Eq. 21."""
+    lengths = task.mechanism.optimal_configuration(ratio).lengths
+    return largest_square(task, lengths, is_proved)
 
 
 def _pieces(at: Callable[[float], Square], squares: Sequence[Square]) -> tuple[Piece, ...]:
@@ -186,8 +203,3 @@ def _largest(
             )
             best, is_kink = square, is_kink and not inner
     return best, is_kink
-
-
-def relative_gain(other: float, first: float) -> float:
-    """Return by which share one side is larger than another."""
-    return float(np.divide(other, first) - 1.0)

@@ -4,7 +4,12 @@ A new kind is a function in one of the modules here that opens what it shows, ca
 function of ``figures`` and saves what that returns.
 """
 
-from fivebar_atlas.cli.plot import cells, design, stored  # noqa: F401  their kinds are registered
+from fivebar_atlas.cli.plot import (  # noqa: F401  their kinds are registered
+    cells,
+    design,
+    square,
+    stored,
+)
 from fivebar_atlas.cli.plot.group import plot
 
 __all__ = ["plot"]
