@@ -96,6 +96,10 @@ class InfeasibleSizeError(AtlasError):
     """A practical workspace that no size of a machine has, or none within its limits."""
 
 
+class NoDesignError(AtlasError):
+    """Conditions that no design fulfils, where there is nothing to show without one."""
+
+
 class FileError(AtlasError):
     """A file cannot be read, is not what it should be, or cannot be written.
 

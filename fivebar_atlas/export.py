@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.mechanisms.base import DESIGN, MODE, Axis, Flags
-from fivebar_atlas.output_file import atomic_output
+from fivebar_atlas.output_file import atomic_output, check_is_no_input
 from fivebar_atlas.store import Atlas
 
 #: Designs read at a time; the whole table never has to fit into memory.
@@ -42,7 +42,8 @@ def export_csv(atlas: Atlas, path: str | os.PathLike[str], overwrite: bool = Fal
     Raises
     ------
     FileUsageError
-        If the file exists already (without ``overwrite``) or its folder does not.
+        If the file exists already (without ``overwrite``), its folder does not, or it is
+        the atlas itself.
     FileError
         If it cannot be written, or the atlas is damaged; nothing is written then.
 
@@ -55,6 +56,7 @@ def export_csv(atlas: Atlas, path: str | os.PathLike[str], overwrite: bool = Fal
     digits as tell them apart from every other; what does not exist is ``nan``. Flags are
     written as their meanings; several meanings are separated by blanks, none is ``ok``.
     """
+    check_is_no_input(Path(path), atlas.path)
     columns = dict(_columns(atlas))
     rows = 0
     with (

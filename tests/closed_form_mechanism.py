@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas import mechanisms
-from fivebar_atlas.mechanisms.base import FloatArray, SweepSettings
+from fivebar_atlas.mechanisms.base import BoolArray, FloatArray, SweepSettings
 from fivebar_atlas.mechanisms.five_bar.mechanism import FiveBarMechanism
 from fivebar_atlas.store import AtlasWriter
 
@@ -29,6 +29,15 @@ class ClosedFormMechanism(FiveBarMechanism):
     """A five-bar whose quantities are simple functions."""
 
     name = "closed-form"
+
+    def are_designs(
+        self,
+        parameters: FloatArray,
+        margin: float = 0.0,  # noqa: ARG002
+        mode: str | None = None,  # noqa: ARG002
+    ) -> BoolArray:
+        """Return all: the functions are defined on the border, too."""
+        return np.ones(len(parameters), dtype=np.bool_)
 
     def evaluate(
         self, parameters: FloatArray, settings: SweepSettings

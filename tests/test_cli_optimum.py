@@ -176,6 +176,9 @@ def test_quantities_of_several_modes_and_thresholds_must_be_chosen(
         (("--polish",), "--polish needs --pareto"),
         (("--where", "gci_error<=1e-6", "--refine"), "error estimates belong to the file"),
         (("--best", "-1"), "at least 0"),
+        (("--lci", "0.3"), "lci: 0.3 is not allowed; expected one of those in"),
+        (("--lci", "1.3"), "lci: 1.3 is not allowed; expected a number above 0 and below 1"),
+        (("--mode", "+-/down"), "mode: '+-/down' is not allowed; expected one of those in"),
     ],
 )
 def test_wrong_input_is_refused_and_nothing_written(
@@ -194,6 +197,54 @@ def test_an_existing_table_is_kept(refused: Refused, file: Path, tmp_path: Path)
     assert "there is no such file" in refused("optimum", tmp_path / "none.h5")
 
 
+def test_an_atlas_is_never_replaced_by_a_table(
+    refused: Refused, several: Path, tmp_path: Path
+) -> None:
+    before = several.read_bytes()
+    where = ("--where", "r1>=1", "--overwrite")
+    assert "ends in one of .csv" in refused("optimum", several, *where, "-o", several)
+    assert "ends in one of .csv" in refused("optimum", several, *where, "-o", tmp_path / "out")
+    disguised = tmp_path / "atlas.csv"
+    disguised.symlink_to(several)
+    for output in (disguised, tmp_path / "." / "atlas.csv"):
+        assert "is the input" in refused("optimum", disguised, *where, "-o", output)
+        assert "is the input" in refused("export", disguised, "--overwrite", "-o", output)
+    picture = tmp_path / "atlas.svg"
+    picture.symlink_to(several)
+    for kind in (
+        ("region", "--where", "r1>=1"),
+        ("pareto", "--pareto", "r1,r2"),
+        ("gci", "--mode", "pp/up"),
+        ("design-space",),
+    ):
+        assert "is the input" in refused("plot", *kind, picture, "--overwrite", "-o", picture)
+    assert several.read_bytes() == before
+
+
+@pytest.mark.parametrize("kind", [("region",), ("pareto", "--pareto", "r1,gci")])
+@pytest.mark.parametrize(
+    ("wheres", "code", "message"),
+    [
+        (("gci>0.7", "gci<0.6"), 2, "contradict"),
+        (("gci>0.7",), 1, "the region is empty: no design has gci>0.7"),
+        (("usable_workspace_area>=28.2", "r1>=0.5", "gci>=0.65"), 1, "exclude each other"),
+    ],
+)
+def test_nothing_is_drawn_of_no_design(
+    refused: Refused,
+    file: Path,
+    tmp_path: Path,
+    kind: tuple[str, ...],
+    wheres: tuple[str, ...],
+    code: int,
+    message: str,
+) -> None:
+    output = tmp_path / "figure.svg"
+    conditions = [word for where in wheres for word in ("--where", where)]
+    assert message in refused("plot", *kind, file, *conditions, "-o", output, code=code)
+    assert not output.exists()
+
+
 def test_a_line_of_designs_is_no_region_but_has_a_maximum(atlas: Command, file: Path) -> None:
     document = read(atlas("optimum", file, "--where", "r3<=0", "--maximise", "gci", "--json"))
     assert document["region"]["is_empty"]
@@ -202,6 +253,21 @@ def test_a_line_of_designs_is_no_region_but_has_a_maximum(atlas: Command, file: 
     assert document["maximum"]["borders"] == ["r3 = 0"]
     outcome = atlas("optimum", file, "--where", "r3<=0", "--refine")
     assert "none between these designs" in outcome.out
+
+
+def test_searches_next_to_what_is_no_design_say_so(atlas: Command, file: Path) -> None:
+    for objective in ("-gci", "gci:-1", "max_lci:-1", "r1"):
+        outcome = atlas("optimum", file, f"--maximise={objective}")
+        assert outcome.code == 0
+        assert "the best design evaluated; better ones are closer to the border" in outcome.out
+    maximum = read(atlas("optimum", file, "--maximise=r1", "--json"))["maximum"]
+    assert not maximum["is_attained"]
+    assert 2.9999 < maximum["design"]["r1"] < 3.0
+    outcome = atlas("optimum", file, "--where", "gci<0")
+    assert outcome.out.count(", the best design evaluated\n") == 2
+    (reach,) = read(atlas("optimum", file, "--where", "gci<0", "--json"))["conflict"]["reaches"]
+    assert 0.0 < reach["alone"] < 1e-5
+    assert not reach["alone_is_attained"]
 
 
 def test_an_error_estimate_may_bound_a_region(atlas: Command, file: Path) -> None:

@@ -138,6 +138,23 @@ def test_limits(atlas: Command, refused: Callable[..., str]) -> None:
         (("--circle", "3", "--encoder-resolution", "0"), "--encoder-resolution: 0.0"),
         (("--circle", "3", "--unit", ""), "--unit"),
         (("--polygon", "nowhere.csv"), "there is no such file"),
+        (("--rectangle", "1e200x1e200"), "--rectangle: '1e200x1e200' is not allowed"),
+        (("--rectangle", "1e-200x1e-200"), "lengths from 1e-100 to 1e+100"),
+        (("--rectangle", "1e154x1e154"), "lengths from 1e-100 to 1e+100"),
+        (("--rectangle", "1e-9x1e9"), "at most 1e+06 times as long as wide"),
+        (("--circle", "1e200"), "--circle: '1e200' is not allowed; expected lengths from 1e-100"),
+        (("--circle", "1e-200"), "lengths from 1e-100"),
+        (("--circle", "3", "--clearance", "1e200"), "--clearance: '1e200' is not allowed"),
+        (("--circle", "3", "--offset", "1e200", "1e200"), "--offset: '1e+200 1e+200'"),
+        (("--circle", "3", "--offset", "nan", "50"), "--offset: 'nan 50' is not allowed"),
+        (("--circle", "3", "--factor-step", "1e-300"), "--factor-step: '1e-300'"),
+        (("--area", "5e-324"), "--area: '5e-324' is not allowed; expected an area from 1e-200"),
+        (("--area", "1e201"), "--area: '1e201'"),
+        (("--circle", "3", "--actuator-range", "1", "200", "-30"), "--actuator-range: '1 200 -30'"),
+        (("--circle", "3", "--link-range", "R2", "9", "5"), "--link-range: 'R2 9 5' is not"),
+        (("--circle", "3", "--link-range", "R1", "0", "0"), "and a greatest above 0"),
+        (("--circle", "3", "--link-range", "L", "1", "5"), "--link-range: 'L' is not allowed"),
+        (("--circle", "3", "--mode", "up"), "--mode: 'up' is not allowed"),
         (("--circle", "3", "--shape", "x"), "No such option"),
     ],
 )
@@ -145,6 +162,26 @@ def test_wrong_input_is_refused(
     refused: Callable[..., str], arguments: tuple[str, ...], message: str
 ) -> None:
     assert message in refused(*SMALL, *arguments)
+
+
+@pytest.mark.parametrize(
+    ("shape", "text"),
+    [
+        (("--area", "400cm2"), "good-condition workspace of 400 cm²"),
+        (("--area", "400 mm^2"), "good-condition workspace of 400 mm²"),
+        (("--circle", "3 cm"), "circle of diameter 3 cm"),
+    ],
+)
+def test_units_are_said_once(atlas: Command, shape: tuple[str, ...], text: str) -> None:
+    outcome = atlas(*PAPER, *shape)
+    assert value_of(outcome.out, "practical workspace") == text
+
+
+def test_a_polygon_is_said_without_a_unit(atlas: Command, tmp_path: Path) -> None:
+    file = tmp_path / "shape.wkt"
+    file.write_text("POLYGON ((0 0, 30 0, 30 20, 0 20, 0 0))")
+    outcome = atlas(*PAPER, "--polygon", file)
+    assert value_of(outcome.out, "practical workspace") == "polygon of 4 corners"
 
 
 def test_nothing_is_written_where_nothing_fits(
@@ -158,6 +195,17 @@ def test_nothing_is_written_where_nothing_fits(
     before = file.read_bytes()
     assert "--overwrite" in refused(*SMALL, "--circle", "4", "-o", file)
     assert file.read_bytes() == before
+
+
+def test_a_machine_is_written_to_json_and_never_over_its_polygon(
+    refused: Callable[..., str], tmp_path: Path
+) -> None:
+    file = tmp_path / "shape.json"
+    file.write_text("x,y\n0,0\n30,0\n30,20\n")
+    arguments = (*SMALL, "--polygon", file, "--overwrite")
+    assert "ends in one of .json" in refused(*arguments, "-o", tmp_path / "machine.csv")
+    assert "is the input" in refused(*arguments, "-o", file)
+    assert file.read_text().startswith("x,y")
 
 
 def test_self_intersecting_and_empty_polygons_are_refused(

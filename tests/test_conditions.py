@@ -8,7 +8,7 @@ import closed_form_atlas
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from fivebar_atlas.errors import InputError, UnknownNameError
@@ -18,8 +18,10 @@ from fivebar_atlas.synthesis.conditions import (
     condition_margins,
     condition_names,
     parse_condition,
+    rounded_margins,
 )
 from fivebar_atlas.synthesis.optimum_region import optimum_region
+from fivebar_atlas.triangulated_regions import region_where
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +88,7 @@ def test_anything_else_is_refused_with_what_is_allowed(text: str) -> None:
 )
 def test_margin_and_truth_agree_with_python(operator: str, bound: float, value: float) -> None:
     condition = parse_condition(f"gci{operator}{bound!r}")
+    assume(value == bound or abs(value - bound) > 2e-12 * (abs(bound) or 1.0))
     truth = {
         ">=": value >= bound,
         "<=": value <= bound,
@@ -98,6 +101,34 @@ def test_margin_and_truth_agree_with_python(operator: str, bound: float, value: 
     margin = float(condition.margin(np.array([value]))[0])
     assert abs(margin) == abs(value - bound)
     assert (margin > 0) == (truth and value != bound)
+
+
+@pytest.mark.parametrize("bound", [0.0, 1e-3, 1.0, -24.0])
+def test_what_is_at_the_bound_but_for_rounding_is_at_the_bound(bound: float) -> None:
+    scale = abs(bound) or 2.0  # the bound, or the range of the values
+    values = bound + scale * np.array([-0.6, -1e-11, -1e-13, 0.0, 1e-13, 1e-11, 0.4])
+    expected = {">=": 2, ">": 5, "<=": 5, "<": 2}  # where the conditions change
+    for operator, change in expected.items():
+        condition = Condition("gci", operator, bound)
+        is_above = np.arange(len(values)) >= change
+        truth = is_above if operator[0] == ">" else ~is_above
+        np.testing.assert_array_equal(condition.holds(values), truth)
+        margins = rounded_margins(condition, values)
+        np.testing.assert_array_equal(margins >= 0.0, truth)
+        np.testing.assert_allclose(margins, condition.margin(values), atol=2e-12 * 30.0)
+
+
+def test_a_plateau_at_the_bound_is_in_the_region_or_not() -> None:
+    points = np.array([(x, y) for y in range(3) for x in range(5)], dtype=np.float64)
+    places = [(5 * y + x, 5 * y + x + 1, 5 * y + x + 5) for y in range(2) for x in range(4)]
+    places += [(5 * y + x + 1, 5 * y + x + 6, 5 * y + x + 5) for y in range(2) for x in range(4)]
+    # 1 but for rounding left of x = 2, then falling
+    noise = np.random.default_rng(1).uniform(-1e-15, 1e-15, len(points))
+    values = 1.0 + noise - np.maximum(points[:, 0] - 2.0, 0.0)
+    for text, area in (("q>=1", 4.0), ("q>1", 0.0), ("q<1", 4.0), ("q<=1", 8.0)):
+        margins = rounded_margins(parse_condition(text), values)
+        region = region_where(points, np.array(places), margins[np.newaxis])
+        assert region.area == pytest.approx(area, abs=1e-10)
 
 
 def test_a_missing_value_fulfils_nothing() -> None:
@@ -138,7 +169,10 @@ def test_margins_are_those_of_the_stored_values(atlas: Atlas) -> None:
 
     assert margins.shape == (3, len(atlas.designs))
     np.testing.assert_array_equal(margins[0], closed_form_atlas.conditioning(atlas.designs) - 0.5)
-    np.testing.assert_array_equal(margins[1], 0.2 - atlas.designs[:, 2])
+    np.testing.assert_allclose(margins[1], 0.2 - atlas.designs[:, 2], atol=1e-12)
+    at_bound = np.abs(atlas.designs[:, 2] - 0.2) < 1e-9
+    assert at_bound.any()
+    assert (margins[1][at_bound] < 0.0).all()
     np.testing.assert_array_equal(margins[2], np.full(len(atlas.designs), 1e-6 - 1e-9))
 
 

@@ -6,6 +6,7 @@ or found by brute force in NumPy; some of it on the five-bar itself.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,8 +19,9 @@ import pytest
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError, UnknownNameError
+from fivebar_atlas.mechanisms.base import SweepSettings
 from fivebar_atlas.mechanisms.five_bar import design_space
-from fivebar_atlas.store import Atlas, open_atlas
+from fivebar_atlas.store import Atlas, AtlasWriter, open_atlas
 from fivebar_atlas.synthesis.candidates import Candidates
 from fivebar_atlas.synthesis.conditions import check_contradictions, parse_condition
 from fivebar_atlas.synthesis.design_polygon import DesignPolygon
@@ -351,6 +353,108 @@ def test_the_five_bar_beats_random_designs(five_bar: Atlas) -> None:
     assert found.value > totals[feasible].max()
 
 
+@pytest.fixture(scope="module")
+def coarse(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Atlas]:
+    """Return a five-bar atlas of a coarse lattice in two mode pairs."""
+    settings = SweepSettings("five-bar", "surrounded", 24, ("+-/down", "++/up"), (0.3, 0.5), 1e-6)
+    mechanism = mechanisms.get(settings.mechanism)
+    designs = mechanism.lattice(settings.space, settings.resolution)
+    path = tmp_path_factory.mktemp("optimum") / "coarse.h5"
+    with AtlasWriter(path, settings, designs, [(0, len(designs))]) as writer:
+        writer.add(0, mechanism.evaluate(designs, settings))
+        writer.assemble()
+    with open_atlas(path) as opened:
+        yield opened
+
+
+@pytest.mark.parametrize(
+    ("mode", "conditions", "text"),
+    [
+        ("+-/down", ("r1<=1.4",), "mic_upper_radius:1,gci:1"),
+        ("+-/down", ("gci>=0.2", "r2<=1.3"), "mic_upper_radius"),
+        ("++/up", ("usable_workspace_area>=3",), "gci"),
+        ("++/up", ("r3>=0.3",), "good_condition_workspace_area:1,-r1:0.5"),
+    ],
+)
+def test_a_coarse_lattice_hides_no_optimum(
+    coarse: Atlas, mode: str, conditions: tuple[str, ...], text: str
+) -> None:
+    candidates = Candidates(coarse, [parse_condition(each) for each in conditions], mode, 0.5)
+    objective = candidates.normalised(parse_objective(text, coarse.names))
+    found = candidates.maximise(objective)
+    assert found is not None
+    near_border = random_designs(2000, 8)
+    near_border[:1000, 2] = near_border[:1000, 1]  # r2 = r3, or almost
+    near_border[500:1000, 2] -= np.random.default_rng(9).exponential(1e-3, 500)
+    near_border[1000:, 2] *= 0.1
+    near_border *= 3.0 / near_border.sum(axis=1, keepdims=True)
+    around = design_space.unproject(
+        found.point + np.random.default_rng(10).normal(0.0, 3e-3, (1000, 2))
+    )
+    designs = np.vstack([random_designs(2000, 7), near_border, around])
+    r1, r2, r3 = designs.T
+    designs = designs[(r1 > 0.0) & (r2 > 0.0) & (r3 >= 0.0) & (r1 >= r3) & (r2 >= r3)]
+    settings = dataclasses.replace(coarse.settings, modes=(mode,), lci_thresholds=(0.5,))
+    results = coarse.mechanism.evaluate(designs, settings)
+    columns = {name: np.reshape(each, len(designs)) for name, each in results.items()}
+    columns |= dict(zip(("r1", "r2", "r3"), designs.T, strict=True))
+    feasible = np.ones(len(designs), dtype=np.bool_)
+    for each in candidates.conditions:
+        sign = 1.0 if each.operator == ">=" else -1.0
+        feasible &= sign * (columns[each.quantity] - each.bound) >= 0.0
+    totals = objective.value(np.array([columns[name] for name in objective.names]))
+    assert np.count_nonzero(feasible) > 100
+    # the values compared are those of a tolerance of 1e-6
+    assert found.value >= np.nanmax(totals[feasible]) - 1e-6
+
+
+@pytest.mark.parametrize(
+    ("texts", "objective"),
+    [
+        ((), Objective(("gci",), (-1.0,))),
+        ((), Objective(("max_lci",), (-1.0,))),
+        ((), Objective(("r1",), (1.0,))),
+        ((), Objective(("usable_workspace_area",), (-1.0,))),
+        (("r2<=0.8",), Objective(("max_lci_y",), (1.0,))),
+    ],
+)
+def test_what_is_no_design_is_no_optimum(
+    five_bar: Atlas, texts: tuple[str, ...], objective: Objective
+) -> None:
+    found = under(five_bar, *texts).maximise(objective)
+    assert found is not None
+    assert not found.is_attained
+    assert math.isfinite(found.value)
+    design = design_space.unproject(found.point)
+    normalised, _ = design_space.normalise(design.tolist())
+    assert normalised == pytest.approx(design)
+    # it is closer to the corner than all of the lattice
+    assert min(design[:2]) < 1e-5
+    stored = five_bar.select(objective.names[0])
+    assert found.value > np.max(objective.value(stored[np.newaxis]))
+
+
+def test_a_design_that_was_found_fulfils_conditions_to_the_last_digit(five_bar: Atlas) -> None:
+    for texts, text in (
+        (("usable_workspace_area<=20", "r1>=1.31"), "gci"),
+        (("gci>=0.6", "r1<=1.37"), "usable_workspace_area"),
+        (("mic_upper_radius<=1.1", "r3>=0.07"), "r1"),
+        (("usable_workspace_area<20", "r1>1.01"), "usable_workspace_area"),
+    ):
+        candidates = under(five_bar, *texts)
+        found = candidates.maximise(parse_objective(text, five_bar.names))
+        assert found is not None
+        assert found.active
+        exact = candidates.exact()
+        values = exact.values(found.point[np.newaxis])[:, 0]
+        for condition in candidates.conditions:
+            value = values[exact.names.index(condition.quantity)]
+            above, is_equal = value > condition.bound, value == condition.bound
+            assert above == (condition.operator[0] == ">") or (
+                is_equal and condition.operator.endswith("=")
+            )
+
+
 def test_a_refined_outline_of_the_five_bar_lies_on_level_sets(five_bar: Atlas) -> None:
     candidates = under(five_bar, "gci>=0.62", "usable_workspace_area>=24")
     refined = candidates.refined()
@@ -424,6 +528,13 @@ def test_a_sum_is_normalised_by_what_fulfils_the_conditions(closed_form: Atlas) 
     found = objective.value(candidates.values(objective.names)[:, chosen])
     np.testing.assert_allclose(found, expected, rtol=1e-12)
     assert candidates.best_designs(objective, 1)[0] == np.flatnonzero(chosen)[expected.argmax()]
+
+
+def test_rounding_is_no_range_to_normalise_by() -> None:
+    objective = Objective(("max_lci", "r3"), (1.0, 1.0))
+    values = np.array([[1.0, 1.0 - 3e-16, 1.0 + 2e-16], [0.0, 0.5, 0.25]])
+    totals = objective.normalised(values).value(values)
+    np.testing.assert_allclose(totals, [0.0, 1.0, 0.5], atol=1e-15)
 
 
 def test_error_estimates_have_no_exact_values(closed_form: Atlas) -> None:

@@ -46,6 +46,14 @@ def compared_in_pairs(gains: FloatArray) -> set[int]:
     }
 
 
+@pytest.mark.parametrize("quantities", [2, 3])
+def test_rounding_does_not_keep_a_point_on_the_front(quantities: int) -> None:
+    rng = np.random.default_rng(quantities)
+    gains = rng.integers(1, 9, (quantities, 300)) / 7.0
+    noisy = gains * (1.0 + rng.uniform(-1e-15, 1e-15, gains.shape))
+    assert set(non_dominated(noisy).tolist()) == compared_in_pairs(gains)
+
+
 @pytest.mark.parametrize("quantities", [2, 3, 4])
 @pytest.mark.parametrize("values", [3, 12, 10**6])
 def test_the_front_is_that_of_comparing_every_two(quantities: int, values: int) -> None:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 import pytest
 from designs import random_cases
 
-from fivebar_atlas import FiveBar
+from fivebar_atlas import FiveBar, planar_design
 from fivebar_atlas.errors import InfeasibleSizeError
 from fivebar_atlas.mechanisms.five_bar.loci import mode_label
 from fivebar_atlas.synthesis.containment import INSIDE, GoodCondition
@@ -263,3 +263,21 @@ def test_a_circle_at_an_offset_in_a_ring(offset: tuple[float, float]) -> None:
     assert (away - 50.0) / exact > INNER
     assert fit.factor == pytest.approx(exact * (1.0 + fit.allowance), rel=1e-13)
     assert np.multiply(fit.factor, fit.position) == pytest.approx(offset, rel=1e-12)
+
+
+@pytest.mark.parametrize("placement", [ON_AXIS, FREE])
+def test_a_shape_is_placed_in_however_small_a_part(placement: str) -> None:
+    # around an isotropic point LCI = 1 - slope * distance, so that D (1 - LCI) goes to a limit
+    design = planar_design(26, 30, 16, unit="")
+    products = []
+    for gap in (1e-4, 1e-5, 1e-6):
+        good = GoodCondition(design, "+-/up", 1.0 - gap)
+        fit = fit_shape(good, Shape.circle(10.0), placement)
+        products.append(fit.factor * gap)
+        angles = np.linspace(0.0, 2.0 * np.pi, 400)
+        circle = 5.0 * np.column_stack([np.cos(angles), np.sin(angles)])
+        for larger, is_good in ((1.001, True), (0.999, False)):
+            points = np.array(fit.position) + circle / (larger * fit.factor)
+            values = design.lci_inside(points[:, 0].copy(), points[:, 1].copy(), "+-/up")
+            assert np.all(values >= 1.0 - gap) == is_good
+    assert products == pytest.approx(3 * products[:1], rel=1e-3)

@@ -77,7 +77,12 @@ def test_interior_samples_lie_in_the_shape() -> None:
     [
         ("x,y\n0,0\n1,1\n1,0\n0,1\n", "Self-intersection"),
         ("x,y\n0,0\n1,1\n", "3 to 10000 different corners"),
-        ("x,y\n0,0\n1,1\n2,2\n", "does not meet itself"),
+        ("x,y\n0,0\n1,1\n2,2\n", "an area above 0"),
+        ("x,y\n0.1,0.3\n1.1,3.3\n2.3,6.9\n", "an area above 0"),
+        ("x (cm),y (cm)\n0,0\n1,0\n0,1\n", "has no column x or x_mm"),
+        ("x,y\n0,0\n1e200,0\n0,1e200\n", r"coordinates up to 1e\+100"),
+        ("x,y\n0,0\n1e-200,0\n0,1e-200\n", "a width of at least 1e-100"),
+        ("x,y\n0,0\n1e8,0\n0,1\n", "times as long as wide"),
         ("x_cm,y_cm\n0,0\n1,0\n0,1\n", "lengths are in mm"),
         ("", "is empty"),
         ("POLYGON EMPTY", "empty polygon"),

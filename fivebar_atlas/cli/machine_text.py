@@ -38,7 +38,7 @@ class MachineText:
     force
         Force on the output point in newtons, None where nothing is asked for it.
     area
-        The area that was asked for as it was given, None where a shape was.
+        The digits of the area that was asked for, None where a shape was.
     """
 
     machine: Machine
@@ -52,7 +52,7 @@ class MachineText:
         shape, unit = self.machine.shape, self.machine.unit
         if shape is None:
             return f"Machine with a good-condition workspace of {self.area} {unit}²"
-        return f"Machine for a {shape.name} {unit}"
+        return f"Machine for a {shape.name_in(unit)}"
 
     @property
     def summary(self) -> str:
@@ -178,7 +178,7 @@ class MachineText:
             yield Row("practical workspace", text)
             return
         clear = f" and {shape.clearance:g} {unit} around it" if shape.clearance else ""
-        yield Row("practical workspace", f"{shape.name} {unit}{clear}")
+        yield Row("practical workspace", f"{shape.name_in(unit)}{clear}")
         yield Row("centre", self._place(position))
         proof = fit.proof
         shown = f"proved with {proof.squares} squares" if proof.verdict == INSIDE else "not proved"
@@ -244,7 +244,7 @@ class MachineText:
         if shape is None or position is None:
             return []
         touching = (machine.contacts, "points of contact")
-        name = f"{shape.name} {machine.unit}"
+        name = shape.name_in(machine.unit)
         outline = shape.boundary(shape.boundary_samples(_OUTLINE_POINTS)) + position
         if not shape.clearance:
             return [Overlay(name, outline, *touching)]

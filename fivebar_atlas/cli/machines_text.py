@@ -41,7 +41,7 @@ class MachinesText:
     @property
     def title(self) -> str:
         """What the machines are for."""
-        return f"Machines for a {self.task.shape.name} {self.task.unit}"
+        return f"Machines for a {self.task.shape.name_in(self.task.unit)}"
 
     @property
     def summary(self) -> str:
@@ -79,7 +79,7 @@ class MachinesText:
         clear = (
             f" and {task.shape.clearance:g} {task.unit} around it" if task.shape.clearance else ""
         )
-        yield text_line("practical workspace", f"{task.shape.name} {task.unit}{clear}")
+        yield text_line("practical workspace", f"{task.shape.name_in(task.unit)}{clear}")
         yield text_line("minimised", f"{task.goal.long_name}")
         yield text_line("searched", self._searched)
         for number, ranked in enumerate(self.machines, start=1):
@@ -99,7 +99,7 @@ class MachinesText:
         task = self.task
         choices = (
             Row("Mechanism", task.mechanism.title, note=task.mechanism.source),
-            Row("Practical workspace", f"{task.shape.name} {task.unit}"),
+            Row("Practical workspace", f"{task.shape.name_in(task.unit)}"),
             Row("LCI threshold", f"{task.lci_threshold:g}", note="reached in the whole workspace"),
             Row("Minimised", task.goal.long_name),
             Row("Searched", self._searched),

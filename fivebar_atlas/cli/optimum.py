@@ -75,7 +75,7 @@ def optimum(
     of them exclude each other and how far each quantity gets.
     """
     from fivebar_atlas.errors import InputError
-    from fivebar_atlas.output_file import check_output
+    from fivebar_atlas.output_file import check_is_no_input, check_output, checked_ending
     from fivebar_atlas.store import open_atlas
     from fivebar_atlas.synthesis.conditions import (
         check_conditions,
@@ -87,6 +87,8 @@ def optimum(
     from fivebar_atlas.synthesis.optimum_study import study_optimum
 
     if output is not None:
+        checked_ending(output, ("csv",))
+        check_is_no_input(output, Path(file))
         check_output(output, overwrite)
     if polish and pareto is None:
         raise click.UsageError("--polish needs --pareto")

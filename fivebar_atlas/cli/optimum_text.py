@@ -266,7 +266,8 @@ class OptimumText:
                     rows.append(Row(label, "nothing fulfils the others"))
                     continue
                 place = ", ".join(f"{name} {design[name]:.6f}" for name in self.study.parameters)
-                rows.append(Row(label, f"{value:.8g} at {place}"))
+                limit = "" if reach[f"{key}_is_attained"] else ", the best design evaluated"
+                rows.append(Row(label, f"{value:.8g} at {place}{limit}"))
             yield reach["condition"], rows
 
     def _best(self) -> list[tuple[str, list[dict[str, Any]]]]:
@@ -299,6 +300,8 @@ class OptimumText:
         if lattice is not None:
             gain = maximum["value"] - lattice
             yield Row("objective", f"{maximum['value']:.10g}, {gain:.2e} above the lattice")
+        if not maximum["is_attained"]:
+            yield Row("", "the best design evaluated; better ones are closer to the border")
         active = ", ".join([*maximum["active"], *maximum["borders"]])
         yield Row("active", active or "no condition")
 

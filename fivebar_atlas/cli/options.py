@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 import difflib
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from fivebar_atlas.errors import InputError
+from fivebar_atlas.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
     from fivebar_atlas.config import Overrides
@@ -172,7 +172,32 @@ def mode_pair(design: PlanarDesign, mode: str | None) -> str:
     from fivebar_atlas import mechanisms
 
     mechanism = mechanisms.get(design.mechanism)
-    return mechanism.modes[0] if mode is None else mechanism.parse_mode(mode)
+    with as_typed({"mode": ("--mode", None)}):
+        return mechanism.modes[0] if mode is None else mechanism.parse_mode(mode)
+
+
+@contextlib.contextmanager
+def as_typed(options: Mapping[str, tuple[str, str | None]]) -> Iterator[None]:
+    """Name options, and their values, as they were typed where they are refused.
+
+    Parameters
+    ----------
+    options
+        By the name of an input within: the option, and its value as it was typed; None
+        where the error has it.
+    """
+    try:
+        yield
+    except UnknownNameError as error:
+        if error.name not in options:
+            raise
+        option, text = options[error.name]
+        raise UnknownNameError(option, error.value if text is None else text, error.known) from None
+    except InputError as error:
+        if error.name not in options:
+            raise
+        option, text = options[error.name]
+        raise InputError(option, error.value if text is None else text, error.allowed) from None
 
 
 @contextlib.contextmanager
@@ -184,3 +209,9 @@ def asked_to_choose() -> Iterator[None]:
         if error.value is not None:
             raise
         raise click.UsageError(f"--{error.name} must be given: {error.allowed}") from None
+
+
+def typed(values: Iterable[object]) -> str:
+    """Return the values of an option as they may have been typed."""
+    shown = (f"{value:g}" if isinstance(value, float) else str(value) for value in values)
+    return " ".join(shown)

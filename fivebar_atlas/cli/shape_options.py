@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fivebar_atlas.cli.options import together
+from fivebar_atlas.cli.options import as_typed, together, typed
 from fivebar_atlas.errors import InputError
 
 if TYPE_CHECKING:
@@ -123,6 +123,11 @@ def practical_shape(
         gap = length_in("--clearance", clearance, units)
         if not gap >= 0.0:
             raise InputError("--clearance", clearance, "a length of 0 or more")
+    names = {
+        "rectangle": ("--rectangle", rectangle),
+        "circle": ("--circle", circle),
+        "clearance": ("--clearance", clearance),
+    }
     if rectangle is not None:
         sides = _SIDES.fullmatch(rectangle)
         allowed = "two lengths above 0 such as 300x200 or 300x200mm"
@@ -133,14 +138,17 @@ def practical_shape(
         units.note("--rectangle", rectangle, height_unit)
         if not (0.0 < float(width) < math.inf and 0.0 < float(height) < math.inf):
             raise InputError("--rectangle", rectangle, allowed)
-        return Shape.rectangle(float(width), float(height), gap)
+        with as_typed(names):
+            return Shape.rectangle(float(width), float(height), gap)
     if circle is not None:
         diameter = length_in("--circle", circle, units)
         if not diameter > 0.0:
             raise InputError("--circle", circle, "a diameter above 0")
-        return Shape.circle(diameter, gap)
+        with as_typed(names):
+            return Shape.circle(diameter, gap)
     assert polygon is not None
-    return read_polygon(polygon, units.unit, gap)
+    with as_typed(names):
+        return read_polygon(polygon, units.unit, gap)
 
 
 def length_in(option: str, text: str, units: Units) -> float:
@@ -152,13 +160,13 @@ def length_in(option: str, text: str, units: Units) -> float:
     return float(found[1])
 
 
-def area_in(text: str, units: Units) -> float:
-    """Return an area, and take note of the unit that it is in squares of."""
+def area_in(text: str, units: Units) -> tuple[float, str]:
+    """Return an area and its digits, and take note of the unit that it is in squares of."""
     found = _AREA.fullmatch(text)
     if found is None or not 0.0 < float(found[1]) < math.inf:
         raise InputError("--area", text, "an area above 0 such as 400 or 400mm2")
     units.note("--area", text, found[2])
-    return float(found[1])
+    return float(found[1]), found[1]
 
 
 def check_loads(resolution: float | None, force: float | None) -> None:
@@ -182,8 +190,22 @@ def limits_given(
     from fivebar_atlas.synthesis.containment import ActuatorRange
     from fivebar_atlas.synthesis.link_limits import LinkLimit
 
-    ranges = [
-        ActuatorRange(number, math.radians(least), math.radians(greatest))
-        for number, least, greatest in actuator_ranges
-    ]
-    return ranges, [LinkLimit(*limit) for limit in link_ranges]
+    ranges = []
+    for number, *angles in actuator_ranges:
+        with as_typed({"actuator range": ("--actuator-range", typed((number, *angles)))}):
+            ranges.append(ActuatorRange(number, *map(math.radians, angles)))
+    with as_typed(limit_names(link_ranges)):
+        return ranges, [LinkLimit(*limit) for limit in link_ranges]
+
+
+def limit_names(
+    link_ranges: tuple[tuple[str, float, float], ...],
+) -> dict[str, tuple[str, str | None]]:
+    """Return how the values of ``limit_options`` were typed, for :func:`options.as_typed`."""
+    names: dict[str, tuple[str, str | None]] = {
+        "actuator range": ("--actuator-range", None),
+        "link limit": ("--link-range", None),
+    }
+    for limit in link_ranges:
+        names[f"limits of {limit[0]}"] = ("--link-range", typed(limit))
+    return names

@@ -16,6 +16,7 @@ from fivebar_atlas.cli.shape_options import (
     Units,
     area_in,
     check_loads,
+    limit_names,
     limit_options,
     limits_given,
     load_options,
@@ -83,11 +84,14 @@ def size(
     Exit codes: 0 done, 1 no size is possible, 2 wrong usage or wrong input.
     """
     from fivebar_atlas import mechanisms
-    from fivebar_atlas.output_file import check_output
+    from fivebar_atlas.output_file import check_is_no_input, check_output, checked_ending
     from fivebar_atlas.synthesis.placement import FREE, ON_AXIS
     from fivebar_atlas.synthesis.sizing import size_for_area, size_for_shape
 
     if output is not None:
+        checked_ending(output, ("json",))
+        if polygon is not None:
+            check_is_no_input(output, Path(polygon))
         check_output(output, overwrite)
     given = [
         name
@@ -111,35 +115,43 @@ def size(
     chosen.check_thresholds([threshold], "--lci")
     ranges, limits = limits_given(actuator_ranges, link_ranges)
     units = Units(unit)
-    if area is not None:
-        squares = area_in(area, units)
-        note_compilation()
-        machine = size_for_area(
-            design,
-            squares,
-            pair,
-            threshold,
-            unit=units.unit,
-            ranges=ranges,
-            limits=limits,
-            factor_step=factor_step,
-        )
-    else:
-        shape = practical_shape(rectangle, circle, polygon, clearance, units)
-        note_compilation()
-        machine = size_for_shape(
-            design,
-            shape,
-            pair,
-            threshold,
-            unit=units.unit,
-            placement=offset or (FREE if free else ON_AXIS),
-            ranges=ranges,
-            limits=limits,
-            factor_step=factor_step,
-        )
+    digits = None
+    typed = {
+        "area": ("--area", area),
+        "offset": ("--offset", options.typed(offset or ())),
+        "factor step": ("--factor-step", options.typed([factor_step])),
+        **limit_names(link_ranges),
+    }
+    with options.as_typed(typed):
+        if area is not None:
+            squares, digits = area_in(area, units)
+            note_compilation()
+            machine = size_for_area(
+                design,
+                squares,
+                pair,
+                threshold,
+                unit=units.unit,
+                ranges=ranges,
+                limits=limits,
+                factor_step=factor_step,
+            )
+        else:
+            shape = practical_shape(rectangle, circle, polygon, clearance, units)
+            note_compilation()
+            machine = size_for_shape(
+                design,
+                shape,
+                pair,
+                threshold,
+                unit=units.unit,
+                placement=offset or (FREE if free else ON_AXIS),
+                ranges=ranges,
+                limits=limits,
+                factor_step=factor_step,
+            )
     resolution = None if encoder_resolution is None else math.radians(encoder_resolution)
-    text = MachineText(machine, resolution, force, area)
+    text = MachineText(machine, resolution, force, digits)
     run = Run(
         title=text.title,
         summary=text.summary,

@@ -5,9 +5,8 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -22,6 +21,11 @@ from fivebar_atlas.cli.square_options import (
 )
 from fivebar_atlas.cli.square_text import SquareCurveText, SquareText
 from fivebar_atlas.errors import InfeasibleSizeError, InputError
+
+if TYPE_CHECKING:
+    from fivebar_atlas.synthesis.largest_square import SquareTask
+    from fivebar_atlas.synthesis.square_curve import SquareCurve
+    from fivebar_atlas.synthesis.square_gains import Gain
 
 _RANGE = "1.2:4:0.05"
 _LENGTH = re.compile(r"\s*([+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_]*)\s*")
@@ -133,19 +137,12 @@ def square(
     present(run, as_json, output if ending == "json" else None, overwrite)
 
 
-def _gains(task: Any, curve: Any, quiet: bool) -> list[Any]:
+def _gains(task: SquareTask, curve: SquareCurve, quiet: bool) -> list[Gain]:
     """Return what is gained by freedom, with progress."""
-    from fivebar_atlas.synthesis.square_gains import square_gains
+    from fivebar_atlas.synthesis.square_gains import CASES, square_gains
 
-    bars: list[Progress] = []
-
-    def said(done: int, total: int) -> None:  # noqa: ARG001
-        bars[0].advance(1)
-
-    with Progress(5, quiet=quiet, things="cases") as bar:
-        bars.append(bar)
-        note: Callable[[int, int], None] = said
-        return list(square_gains(task, curve, note))
+    with Progress(CASES, quiet=quiet, things="cases") as bar:
+        return square_gains(task, curve, lambda done, total: bar.advance(1))  # noqa: ARG005
 
 
 def _ratio(text: str) -> float:

@@ -266,13 +266,12 @@ class SquareCurveText:
                 yield text_line(row.label, row.value, row.error)
         if self.gains:
             yield ""
-            yield f"{'what is free':<28}{'side':>14}{'gain':>12}{'ρ':>12}{'l0/l1':>12}  mode pair"
+            yield f"{'what is free':<30}{'side':>14}{'gain':>12}{'ρ':>12}{'l0/l1':>12}  with"
             for gain in self.gains:
                 square = gain.square
                 yield (
-                    f"{gain.name:<28}{self.length * square.side:>14.8g}{_percent(gain.gain):>12}"
-                    f"{square.ratio:>12.7g}{square.lengths[2]:>12.7g}  {square.task.mode}, "
-                    f"centre {self.length * square.centre[1]:.6g}"
+                    f"{gain.name:<30}{self.length * square.side:>14.8g}{_percent(gain.gain):>12}"
+                    f"{square.ratio:>12.7g}{square.lengths[2]:>12.7g}  {_remark(gain)}"
                 )
 
     def sections(self) -> list[Section]:
@@ -293,7 +292,7 @@ class SquareCurveText:
             found.append(Section("Printed values", rows=titled(self._printed_rows())))
         if self.gains:
             table = Table(
-                ("What is free", "Side", "Gain", "ρ", "l0/l1", "Mode pair"),
+                ("What is free", "Side", "Gain", "ρ", "l0/l1", "With"),
                 tuple(
                     (
                         gain.name,
@@ -301,7 +300,7 @@ class SquareCurveText:
                         _percent(gain.gain),
                         f"{gain.square.ratio:.7g}",
                         f"{gain.square.lengths[2]:.7g}",
-                        gain.square.task.mode,
+                        _remark(gain),
                     )
                     for gain in self.gains
                 ),
@@ -404,6 +403,13 @@ def task_rows(task: SquareTask) -> Iterator[Row]:
         yield Row("width : height", f"{task.aspect:g}")
     for each in task.ranges:
         yield Row("actuator range", str(each))
+
+
+def _remark(gain: Gain) -> str:
+    """Return what tells the square of a gain from others."""
+    task, (_, y) = gain.square.task, gain.square.centre
+    aspect = "" if task.aspect == 1.0 else f", width : height {task.aspect:.6g}"
+    return f"{task.mode}, centre at {y:.6g} l1{aspect}"
 
 
 def _percent(share: float) -> str:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
 
 #: Arrays by the name of their quantity or error companion.
 Results = Mapping[str, npt.NDArray[Any]]
@@ -113,6 +114,8 @@ class Quantity:
         Power of the dimensional factor D that scales it to a machine (areas: 2).
     flags
         Meanings, for an integer quantity; None for a floating-point one.
+    ignores_tolerance
+        Whether its values are the same at every tolerance.
     """
 
     name: str
@@ -123,6 +126,7 @@ class Quantity:
     has_error: bool = False
     length_power: int = 0
     flags: Flags | None = None
+    ignores_tolerance: bool = False
 
     @property
     def error_name(self) -> str:
@@ -350,6 +354,30 @@ class Mechanism(ABC):
             One array for every quantity and every error companion, with the shape of the
             quantity's dimensions. What does not exist is NaN and explained by ``status``.
         """
+
+    def are_designs(
+        self,
+        parameters: FloatArray,
+        margin: float = 0.0,  # noqa: ARG002
+        mode: str | None = None,  # noqa: ARG002
+    ) -> BoolArray:
+        """Return which points of a design space, borders included, make a mechanism.
+
+        Parameters
+        ----------
+        parameters
+            Shape (n, parameters).
+        margin
+            How far a parameter must be from where there is none.
+        mode
+            Mode pair in which they must not be degenerate, if any.
+
+        Returns
+        -------
+        ndarray
+            Shape (n,); here, where a mechanism does not say otherwise, all of them.
+        """
+        return np.ones(len(parameters), dtype=np.bool_)
 
     @abstractmethod
     def project(self, parameters: FloatArray) -> FloatArray:

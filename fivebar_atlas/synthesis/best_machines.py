@@ -219,7 +219,7 @@ def _margins(task: MachineTask, machine: Machine) -> dict[str, float]:
 
 def _why_none(task: MachineTask) -> str:
     """Return what excludes all machines, and how far each limit alone would have to give."""
-    what = f"no machine for the {task.shape.name} {task.unit}"
+    what = f"no machine for the {task.shape.name_in(task.unit)}"
     relaxed = {
         "the actuator ranges": dataclasses.replace(task, ranges=()),
         "the limits on lengths": dataclasses.replace(task, limits=()),

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.store import Atlas
-from fivebar_atlas.synthesis.conditions import Condition
+from fivebar_atlas.synthesis.conditions import Condition, rounded_margins
 from fivebar_atlas.synthesis.design_polygon import ON_SIDE, DesignPolygon
 from fivebar_atlas.synthesis.exact_values import ExactValues, has_exact_values
 from fivebar_atlas.synthesis.maximise import Optimum, local_maxima, maximise
@@ -18,7 +18,6 @@ from fivebar_atlas.synthesis.objectives import Objective
 from fivebar_atlas.synthesis.optimum_region import OptimumRegion, optimum_region
 from fivebar_atlas.synthesis.refined_region import (
     RefinedRegion,
-    condition_scales,
     outline_error,
     refine,
 )
@@ -27,9 +26,11 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
-# Starts of a search: so many summits of the lattice, and corners of the region.
-_SUMMITS = 6
-_CORNERS = 2
+# Starts of a search: so many summits of the lattice, designs that are best, and corners of
+# the region.
+_SUMMITS = 12
+_DESIGNS = 200
+_CORNERS = 100
 
 
 class Candidates:
@@ -80,6 +81,12 @@ class Candidates:
         return self.atlas.mechanism.triangles(settings.space, settings.resolution)
 
     @functools.cached_property
+    def spacing(self) -> float:
+        """Distance of neighbouring designs of the lattice in the chart."""
+        ends = self.points[self.triangles[:1]] if len(self.triangles) else self.points[None, :2]
+        return float(np.max(np.linalg.norm(np.diff(ends, axis=1), axis=2), initial=0.0))
+
+    @functools.cached_property
     def fulfilled(self) -> BoolArray:
         """Which designs of the lattice fulfil all conditions, shape (designs,)."""
         fulfilled = np.ones(len(self.atlas), dtype=np.bool_)
@@ -96,14 +103,18 @@ class Candidates:
     def margins(self) -> FloatArray:
         """Margins of the conditions at the designs, shape (conditions, designs)."""
         rows = [
-            condition.margin(self.values((condition.quantity,))[0]) for condition in self.conditions
+            rounded_margins(condition, self.values((condition.quantity,))[0])
+            for condition in self.conditions
         ]
         return np.array(rows).reshape(len(rows), len(self.atlas))
 
     @property
     def scales(self) -> FloatArray:
         """The scale of each condition's margin, shape (conditions,)."""
-        return condition_scales(self.conditions, self.margins)
+        scales = [
+            condition.scale(self.values((condition.quantity,))[0]) for condition in self.conditions
+        ]
+        return np.array(scales)
 
     def values(self, names: Sequence[str]) -> FloatArray:
         """Return stored values, shape (names, designs)."""
@@ -147,6 +158,7 @@ class Candidates:
             self.triangles,
             self.points,
             self.margins,
+            self.scales,
             self.exact(),
         )
 
@@ -158,6 +170,7 @@ class Candidates:
             self.triangles,
             self.points,
             self.margins,
+            self.scales,
             self.exact(),
         )
 
@@ -200,27 +213,27 @@ class Candidates:
                 ends[row, column] = along[furthest] if found is None else sign * found.value
         return ends[0], ends[1]
 
-    def starts(
-        self, values: FloatArray, summits: int = _SUMMITS, corners: int = _CORNERS
-    ) -> FloatArray:
+    def starts(self, values: FloatArray) -> FloatArray:
         """Return where to look for the largest value, points of the chart, shape (n, 2).
+
+        Designs that no neighbour surpasses, the best designs, and corners of the region
+        where the interpolated value is largest.
 
         Parameters
         ----------
         values
             What is to be large, at every design of the lattice.
-        summits, corners
-            How many designs that no neighbour surpasses, and corners of the region where
-            the interpolated value is largest.
         """
-        tops = local_maxima(values, self.fulfilled, self.triangles, summits)
-        parts = [self.points[tops]]
+        tops = local_maxima(values, self.fulfilled, self.triangles, _SUMMITS)
+        usable = np.flatnonzero(self.fulfilled & np.isfinite(values))
+        best = usable[np.argsort(-values[usable], kind="stable")][:_DESIGNS]
+        parts = [self.points[tops], self.points[best]]
         region = self.region.region
-        if len(region.corner_triangles) and corners:
+        if len(region.corner_triangles):
             vertices = self.triangles[region.corner_triangles]
             interpolated = np.einsum("cv,cv->c", region.corner_weights, values[vertices])
             interpolated = np.where(np.isfinite(interpolated), interpolated, -np.inf)
-            best = np.argsort(-interpolated, kind="stable")[:corners]
+            best = np.argsort(-interpolated, kind="stable")[:_CORNERS]
             places = np.einsum(
                 "cv,cvx->cx", region.corner_weights[best], self.points[vertices[best]]
             )
@@ -268,5 +281,6 @@ class Candidates:
             self.scales,
             np.vstack(starts),
             span or 1.0,
+            spacing=self.spacing,
             trials=trials,
         )

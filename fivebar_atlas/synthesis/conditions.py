@@ -2,7 +2,9 @@
 
 A condition is a name, one of ``>= <= > <`` and a number, and nothing else; it is never
 evaluated as code. Applied to values it gives signed margins, positive where it holds
-with room to spare, which is what contour and region algorithms need.
+with room to spare, which is what contour and region algorithms need. What is at the bound
+but for rounding counts as at the bound, everywhere: there ``>=`` and ``<=`` hold and ``>``
+and ``<`` do not.
 """
 
 from __future__ import annotations
@@ -27,6 +29,9 @@ _GRAMMAR = re.compile(
         \s* (?P<bound> [+-]? (?: \d+ (?: \.\d* )? | \.\d+ ) (?: [eE][+-]?\d+ )? ) \s*""",
     re.VERBOSE | re.ASCII,
 )
+#: Margins up to this share of a condition's scale are nothing but rounding.
+SLACK = 1e-12
+
 _ALLOWED = "a quantity, one of >= <= > <, and a number, such as 'gci>=0.62'"
 
 
@@ -67,10 +72,31 @@ class Condition:
         """
         return values - self.bound if self.operator[0] == ">" else self.bound - values
 
+    @property
+    def is_strict(self) -> bool:
+        """Whether the bound itself does not fulfil it."""
+        return not self.operator.endswith("=")
+
+    def scale(self, values: FloatArray) -> float:
+        """Return what margins are relative to: the bound, or the range of values where it is 0."""
+        finite = values[np.isfinite(values)]
+        width = float(np.ptp(finite)) if len(finite) else 0.0
+        return abs(self.bound) or width or 1.0
+
+    def is_met(self, margins: FloatArray, scale: float) -> BoolArray:
+        """Return which margins fulfil it, rounding aside; a missing one (NaN) never does."""
+        slack = SLACK * scale
+        return margins > slack if self.is_strict else margins >= -slack
+
     def holds(self, values: FloatArray) -> BoolArray:
-        """Return where the condition holds; a missing value (NaN) never does."""
-        margin = self.margin(values)
-        return margin >= 0.0 if self.operator.endswith("=") else margin > 0.0
+        """Return where the condition holds; a missing value (NaN) never does.
+
+        Parameters
+        ----------
+        values
+            Values of the quantity at all designs that there are, shape (n,).
+        """
+        return self.is_met(self.margin(values), self.scale(values))
 
 
 def parse_condition(text: str, name: str = "--where") -> Condition:
@@ -142,7 +168,8 @@ def condition_margins(
     Returns
     -------
     ndarray
-        Shape (conditions, designs); see :meth:`Condition.margin`.
+        Shape (conditions, designs); see :meth:`Condition.margin`. A margin that is nothing
+        but rounding is 0, and just below where the condition is strict.
 
     Raises
     ------
@@ -154,8 +181,22 @@ def condition_margins(
     check_conditions(conditions, atlas)
     margins = np.empty((len(conditions), len(atlas.designs)))
     for row, condition in enumerate(conditions):
-        margins[row] = condition.margin(atlas.select(condition.quantity, mode, lci))
+        values = atlas.select(condition.quantity, mode, lci)
+        margins[row] = rounded_margins(condition, values)
     return margins
+
+
+def rounded_margins(condition: Condition, values: FloatArray) -> FloatArray:
+    """Return margins at all designs, shape (n,), so that rounding does not count.
+
+    A margin within the slack is 0; where the condition is strict it is negative, so that a
+    plateau at the bound is outside, by no more than tells it from 0.
+    """
+    margins = np.asarray(condition.margin(values), dtype=np.float64)
+    slack = SLACK * condition.scale(values)
+    largest = float(np.max(np.abs(margins), initial=0.0, where=np.isfinite(margins)))
+    at_bound = -max(slack, SLACK * largest) if condition.is_strict else 0.0
+    return np.where(np.abs(margins) <= slack, at_bound, margins)
 
 
 def check_contradictions(conditions: Sequence[Condition], name: str = "--where") -> None:

@@ -62,6 +62,15 @@ class DesignPolygon:
         (loop,) = outline_of_triangles(points, triangles, np.ones(len(triangles), dtype=np.bool_))
         return cls.from_corners(loop)
 
+    def moved_inward(self, distances: FloatArray) -> Self:
+        """Return the polygon with sides moved inward, by a small distance for each."""
+        offsets = self.offsets + distances
+        before = np.roll(self.normals, 1, axis=0), np.roll(offsets, 1)
+        matrices = np.stack([before[0], self.normals], axis=1)
+        bounds = np.stack([before[1], offsets], axis=1)[..., np.newaxis]
+        corners = np.linalg.solve(matrices, bounds)[..., 0]
+        return self.from_corners(np.asarray(corners, dtype=np.float64))
+
     @property
     def area(self) -> float:
         """Its area in the chart."""

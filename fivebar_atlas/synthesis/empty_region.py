@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from fivebar_atlas.errors import NoDesignError
 from fivebar_atlas.synthesis.candidates import Candidates
 from fivebar_atlas.synthesis.conditions import Condition
 from fivebar_atlas.synthesis.exact_values import has_exact_values
@@ -25,18 +26,24 @@ class Reach:
     ----------
     condition
         The condition.
-    alone, alone_design
-        The best value over the whole design space, and where.
-    among, among_design
+    alone, alone_design, alone_is_attained
+        The best value over the whole design space, and where; not attained where it is next to
+        what is no design, and better ones may be closer to it.
+    among, among_design, among_is_attained
         The same over the designs that fulfil all other conditions; None where there are
         none, too.
+    scale
+        The scale of the condition's margin.
     """
 
     condition: Condition
     alone: float | None
     alone_design: FloatArray | None
+    alone_is_attained: bool
     among: float | None
     among_design: FloatArray | None
+    among_is_attained: bool
+    scale: float
 
     @property
     def is_met(self) -> bool:
@@ -44,7 +51,10 @@ class Reach:
 
         Exact values may reach a bound between designs of the lattice that all miss it.
         """
-        return self.among is not None and bool(self.condition.holds(np.array(self.among)))
+        if self.among is None:
+            return False
+        margin = self.condition.margin(np.array(self.among))
+        return bool(self.condition.is_met(margin, self.scale))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -97,12 +107,22 @@ def explain_emptiness(empty: Candidates) -> Conflict:
         others = conditions[:place] + conditions[place + 1 :]
         alone = _best(empty, condition, ())
         among = _best(empty, condition, others) if others else alone
-        reaches.append(Reach(condition, *alone, *among))
+        reaches.append(Reach(condition, *alone, *among, float(empty.scales[place])))
     return Conflict(_smallest_conflict(empty), tuple(reaches))
 
 
 def _under(candidates: Candidates, conditions: Sequence[Condition]) -> Candidates:
     return Candidates(candidates.atlas, conditions, candidates.mode, candidates.lci)
+
+
+def check_not_empty(candidates: Candidates) -> None:
+    """Raise NoDesignError where no design of the lattice or between fulfils the conditions."""
+    if not candidates.is_empty:
+        return
+    together = [str(condition) for condition in _smallest_conflict(candidates)]
+    if len(together) == 1:
+        raise NoDesignError(f"the region is empty: no design has {together[0]}")
+    raise NoDesignError(f"the region is empty: {', '.join(together)} exclude each other")
 
 
 def _smallest_conflict(empty: Candidates) -> tuple[Condition, ...]:
@@ -121,20 +141,21 @@ def _smallest_conflict(empty: Candidates) -> tuple[Condition, ...]:
 
 def _best(
     empty: Candidates, condition: Condition, others: Sequence[Condition]
-) -> tuple[float | None, FloatArray | None]:
-    """Return the best value of a condition's quantity under others, and the design."""
+) -> tuple[float | None, FloatArray | None, bool]:
+    """Return the best value of a condition's quantity under others, the design, if attained."""
     candidates = _under(empty, others)
     sign = 1.0 if condition.operator[0] == ">" else -1.0
     objective = Objective((condition.quantity,), (sign,))
     if candidates.is_empty:
-        return None, None
+        return None, None, True
     if not has_exact_values(empty.atlas, [each.quantity for each in (condition, *others)]):
         best = candidates.best_designs(objective, 1)
         if not len(best):
-            return None, None
+            return None, None, True
         value = candidates.values(objective.names)[0, best[0]]
-        return float(value), candidates.atlas.designs[best[0]]
+        return float(value), candidates.atlas.designs[best[0]], True
     found = candidates.maximise(objective, trials=False)
     if found is None:
-        return None, None
-    return sign * found.value, candidates.atlas.mechanism.unproject(found.point)
+        return None, None, True
+    design = candidates.atlas.mechanism.unproject(found.point)
+    return sign * found.value, design, found.is_attained

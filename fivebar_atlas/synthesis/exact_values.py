@@ -20,11 +20,23 @@ FloatArray = npt.NDArray[np.float64]
 #: Relative tolerance of values that regions and optima are computed from.
 TOLERANCE = 1e-9
 
+#: Relative tolerances while regions and optima are searched for, and of a first survey.
+SEARCH_TOLERANCE, SURVEY_TOLERANCE = 1e-7, 1e-6
+
+#: How far searches stay away from what is no design.
+LEAST_MARGIN = 1e-6
+
+#: How far they stay away from a side of the design space without values, if they must further.
+OPEN_MARGINS = (2e-6, 1.1e-3)
+
+# Places along a side that are looked at.
+_SHARES = (0.2, 0.5, 0.8)
+
 #: Step of differences in the chart: its square and the tolerance over it are alike small.
 STEP = 1e-4
 
 # Fewer are not worth the threads.
-_DESIGNS_PER_THREAD = 16
+_DESIGNS_PER_THREAD = 24
 
 
 def has_exact_values(atlas: Atlas, names: Sequence[str]) -> bool:
@@ -46,7 +58,8 @@ class ExactValues:
     names
         Parameters and quantities, in the order of the rows of values.
     polygon
-        The design space; a point outside is taken to be the nearest one in it.
+        The design space; a point outside is taken to be the nearest one in it. What is
+        no design, or hardly one, has no values.
     """
 
     mechanism: Mechanism
@@ -100,11 +113,47 @@ class ExactValues:
             modes = (atlas.modes[atlas.mode_index(mode)],)
         if THRESHOLD in used:
             thresholds = (atlas.lci_thresholds[atlas.lci_index(lci)],)
+        quantities = [arrays[name].quantity for name in names if name in arrays]
+        if all(quantity.ignores_tolerance for quantity in quantities):
+            tolerance = mechanism.tolerance_range[1]
         settings = dataclasses.replace(
             atlas.settings, modes=modes, lci_thresholds=thresholds, tolerance=tolerance
         )
         polygon = DesignPolygon.of_space(mechanism, settings.space)
         return cls(mechanism, settings, tuple(dict.fromkeys(names)), polygon)
+
+    @property
+    def _mode(self) -> str | None:
+        """The mode pair, None where no quantity depends on it."""
+        quantities = [each for each in self.mechanism.quantities if each.name in self.names]
+        has_mode = any(MODE in quantity.dimensions for quantity in quantities)
+        return self.settings.modes[0] if has_mode else None
+
+    def inside(self) -> ExactValues:
+        """Return the same without sides of the design space that have no values.
+
+        None is the best there, and where the mechanism keeps away from them by more values
+        may cost a lot.
+        """
+        distances = np.zeros(len(self.polygon.corners))
+        polygon = self.polygon
+        for distance in OPEN_MARGINS:
+            along = np.roll(polygon.corners, -1, axis=0) - polygon.corners
+            places = np.concatenate([polygon.corners + share * along for share in _SHARES])
+            values = self.for_search(SURVEY_TOLERANCE).values(places)
+            missing = np.isnan(values).any(axis=0).reshape(len(_SHARES), -1).all(axis=0)
+            if not missing.any():
+                break
+            distances[missing] = distance
+            polygon = self.polygon.moved_inward(distances)
+        return dataclasses.replace(self, polygon=polygon)
+
+    def for_search(self, tolerance: float = SEARCH_TOLERANCE) -> ExactValues:
+        """Return the same with a looser tolerance, several times as fast."""
+        tolerance = max(self.settings.tolerance, tolerance)
+        return dataclasses.replace(
+            self, settings=dataclasses.replace(self.settings, tolerance=tolerance)
+        )
 
     def designs(self, points: FloatArray) -> FloatArray:
         """Return the designs at points of the chart, shape (n, 2)."""
@@ -117,8 +166,14 @@ class ExactValues:
     def values_and_errors(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return values of designs and their error estimates, each of shape (names, n).
 
-        The error of a parameter is 0, that of a quantity without an estimate NaN.
+        The error of a parameter is 0, that of a quantity without an estimate NaN. What is no
+        design has no value, not even of a parameter.
         """
+        exist = self.mechanism.are_designs(designs, LEAST_MARGIN, self._mode)
+        if not exist.all():
+            values, errors = np.full((2, len(self.names), len(designs)), np.nan)
+            values[:, exist], errors[:, exist] = self.values_and_errors(designs[exist])
+            return values, errors
         columns = [parameter.name for parameter in self.mechanism.parameters]
         values = np.empty((len(self.names), len(designs)))
         errors = np.zeros_like(values)
@@ -186,7 +241,7 @@ class ExactValues:
             ],
             axis=2,
         )
-        around = self.values(places.reshape(-1, 2)).reshape(len(self.names), -1, 2, 2)
+        around = self.for_search().values(places.reshape(-1, 2)).reshape(len(self.names), -1, 2, 2)
         one, other, here = around[..., 0], around[..., 1], values[..., np.newaxis]
         slopes = np.where(central, one - other, 4.0 * one - 3.0 * here - other) / (2.0 * STEP)
         # slope = direction . gradient, for two directions

@@ -33,7 +33,8 @@ class LinkLimit:
     def __post_init__(self) -> None:
         limits = (self.least, self.greatest)
         if not (self.least >= 0.0 and math.isfinite(self.least) and self.greatest > 0.0):
-            raise InputError(f"limits of {self.name}", limits, "lengths of 0 or more")
+            allowed = "a least length of 0 or more and a greatest above 0"
+            raise InputError(f"limits of {self.name}", limits, allowed)
         if not self.least <= self.greatest:
             allowed = "a least length that is not above the greatest"
             raise InputError(f"limits of {self.name}", limits, allowed)
@@ -60,4 +61,4 @@ def check_limits(lengths: Mapping[str, float], limits: Sequence[LinkLimit]) -> N
     for each in limits:
         if each.least > 0.0 and lengths[each.name.lower()] == 0.0:
             allowed = f"no least length, for {each.name} is 0 at every size"
-            raise InputError(f"limits of {each.name}", each.least, allowed)
+            raise InputError(f"limits of {each.name}", (each.least, each.greatest), allowed)

@@ -1,8 +1,8 @@
-"""The best design under conditions: SLSQP from several starts, then a search by trial.
+"""The best design under conditions: ever finer lattices, SLSQP, then a search by trial.
 
 Objective and conditions are exact values of the mechanism. Whatever is returned was
 evaluated and fulfils all conditions; the search by trial at the end needs no gradients, so
-that kinks of a quantity do no harm.
+that kinks of a quantity do no harm. All but the end is done with a looser tolerance.
 """
 
 from __future__ import annotations
@@ -13,29 +13,37 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.synthesis.conditions import Condition
-from fivebar_atlas.synthesis.design_polygon import DesignPolygon
-from fivebar_atlas.synthesis.exact_values import ExactValues
+from fivebar_atlas.synthesis.conditions import SLACK, Condition
+from fivebar_atlas.synthesis.exact_values import LEAST_MARGIN, SURVEY_TOLERANCE, ExactValues
+from fivebar_atlas.synthesis.local_lattices import explored
 from fivebar_atlas.synthesis.objectives import Objective
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
-
-#: A condition may be missed by rounding: this share of its scale.
-SLACK = 1e-12
 
 #: A condition is active where its margin is below this share of its scale.
 ACTIVE = 1e-7
 
 # Stands for values that do not exist; far below any scaled margin or objective.
 _NOTHING = -1e3
+# What a scaled margin that is missed counts in the ranking of places to start from.
+_PENALTY = 10.0
 _ROUNDS = 4
-_ITERATIONS = 60
+# Evaluations that SLSQP may take at kinks, its iterations, and a gain that ends it.
+_EVALUATIONS, _ITERATIONS, _GAIN_OF_CLIMB = 200, 60, 1e-13
+_FEW_EVALUATIONS, _FEW_ITERATIONS, _GAIN_OF_SEARCH = 60, 30, 1e-9
 _FIRST_TRIAL, _LAST_TRIAL = 1e-4, 2e-9
 _TRIAL_DIRECTIONS = 12
 _TRIALS_EACH = 8
-# Trials that gain less than this share of the objective's scale have found the optimum.
-_GAIN = 1e-8
+# How much further a trial that was better leads.
+_FURTHER = 2.0 ** np.arange(1.0, 9.0)[:, np.newaxis]
+# Trials that gain less than this share of the objective's scale have found the optimum, and a
+# gain of less than this is rounding.
+_GAIN, _NO_GAIN = 1e-8, 1e-11
+# How far a point is moved to fulfil conditions that it misses by rounding.
+_NUDGES = 10.0 ** np.arange(-15.0, -9.0)
+# Within this distance of a border without values nothing is attained.
+_NEAR = 10.0 * LEAST_MARGIN
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -52,12 +60,19 @@ class Optimum:
         Conditions that hold with equality.
     borders
         Borders of the design space that it lies on.
+    is_attained
+        False next to a border without values: better designs may lie closer to it.
     """
 
     point: FloatArray
     value: float
     active: tuple[Condition, ...]
     borders: tuple[str, ...]
+    is_attained: bool
+
+
+class _Exhausted(Exception):  # noqa: N818
+    """SLSQP has taken as many evaluations as it may."""
 
 
 class _Search:
@@ -76,11 +91,15 @@ class _Search:
         self.polygon = exact.polygon
         self.best: FloatArray | None = None
         self.best_value = -np.inf
+        # The least scaled margins: what is strict must be exceeded by more than rounding.
+        self.limits = np.array([2.0 * SLACK if each.is_strict else -SLACK for each in conditions])
         self._objective = objective
         self._scales = scales
         self._span = span
         self._places = [exact.names.index(name) for name in objective.names]
         self._rows = [exact.names.index(condition.quantity) for condition in conditions]
+        #: Evaluations at single points that are left.
+        self.left = 0
         self._last = np.full(2, np.nan)
         self._last_values = np.empty(0)
 
@@ -91,27 +110,40 @@ class _Search:
             rows.append(condition.margin(values[row]) / scale)
         return np.array(rows)
 
-    def try_points(self, points: FloatArray) -> bool:
-        """Evaluate points of the design space; return whether one is better than all before."""
-        points = self.polygon.clip(points)
+    def evaluate(self, points: FloatArray) -> FloatArray:
+        """Return the rows at points of the design space; take note of the best of them."""
         rows = self.rows(self.exact.values(points))
-        feasible = np.isfinite(rows[0]) & np.all(rows[1:] >= -SLACK, axis=0)
-        if not feasible.any():
-            return False
-        place = int(np.argmax(np.where(feasible, rows[0], -np.inf)))
-        if rows[0, place] <= self.best_value:
-            return False
-        self.best, self.best_value = points[place].copy(), float(rows[0, place])
-        return True
+        feasible = np.isfinite(rows[0]) & np.all(rows[1:] >= self.limits[:, np.newaxis], axis=0)
+        if feasible.any():
+            place = int(np.argmax(np.where(feasible, rows[0], -np.inf)))
+            if rows[0, place] > self.best_value:
+                self.best, self.best_value = points[place].copy(), float(rows[0, place])
+        return rows
+
+    def try_points(self, points: FloatArray) -> bool:
+        """Evaluate points; return whether one is better than all before, beyond rounding."""
+        before = self.best_value
+        self.evaluate(self.polygon.clip(points))
+        return self.best_value > before + _NO_GAIN
+
+    def scores(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how good points are if they are feasible, and with penalties if they are not."""
+        rows = self.evaluate(points)
+        missed = np.maximum(self.limits[:, np.newaxis] - rows[1:], 0.0).sum(axis=0)
+        objective = np.where(np.isfinite(rows[0]) & np.isfinite(missed), rows[0], -np.inf)
+        return np.where(missed > 0.0, -np.inf, objective), objective - _PENALTY * missed
 
     def at(self, point: FloatArray) -> FloatArray:
         """Return objective and margins at one point; remembers the last one."""
         if not np.array_equal(point, self._last):
+            if not self.left:
+                raise _Exhausted
+            self.left -= 1
             self._last = point.copy()
             self._last_values = self.exact.values(point[np.newaxis])
             rows = self.rows(self._last_values)[:, 0]
             inside = self.polygon.contains(point[np.newaxis])[0]
-            if inside and np.all(rows[1:] >= -SLACK) and rows[0] > self.best_value:
+            if inside and np.all(rows[1:] >= self.limits) and rows[0] > self.best_value:
                 self.best = self.polygon.clip(point[np.newaxis])[0]
                 self.best_value = float(rows[0])
         rows = self.rows(self._last_values)[:, 0]
@@ -136,6 +168,7 @@ def maximise(
     starts: FloatArray,
     span: float = 1.0,
     *,
+    spacing: float = 0.0,
     trials: bool = True,
 ) -> Optimum | None:
     """Return the best design that fulfils conditions, by exact values.
@@ -147,13 +180,16 @@ def maximise(
     objective
         What is to be as large as possible.
     conditions
-        Conditions; strict ones are taken as not strict.
+        Conditions; what is strict must be exceeded by more than rounding.
     scales
         The scale of each condition's margin, shape (conditions,).
     starts
         Points of the chart to start from, best first, shape (n, 2).
     span
         The scale of the objective.
+    spacing
+        How far apart in the chart starts may be from better places: so far around them, and
+        along the border of the design space, these are looked for. 0 for not at all.
     trials
         Whether to search around the best point by trial at the end.
 
@@ -163,31 +199,56 @@ def maximise(
         None where no start leads to a design that fulfils the conditions. The same inputs
         give the same design.
     """
-    search = _Search(exact, objective, conditions, scales, span)
+    whole, exact = exact, exact.inside()
+    if spacing > 0.0 and len(starts):
+        survey = _Search(exact.for_search(SURVEY_TOLERANCE), objective, conditions, scales, span)
+        starts = explored(survey.scores, exact.polygon, starts, spacing)
+    rough = _Search(exact.for_search(), objective, conditions, scales, span)
     if len(starts):
-        search.try_points(starts)
-    for start in starts:
-        _climb(search, start)
+        rough.try_points(starts)
+    few = _FEW_EVALUATIONS, _FEW_ITERATIONS, _GAIN_OF_SEARCH
+    many = _EVALUATIONS, _ITERATIONS, _GAIN_OF_CLIMB
+    ends = [_climb(rough, start, *few) for start in starts]
+    if rough.best is not None:
+        ends.append(rough.best)
+    search = _Search(exact, objective, conditions, scales, span)
+    places = np.array([*ends, *starts]).reshape(-1, 2)
+    if len(places):
+        search.try_points(places)
+    is_open = search.best is not None and not _is_attained(whole, exact, objective, search.best)
+    if not is_open:
+        for end in ends if search.best is None else [search.best]:
+            _climb(search, end, *many)
     if search.best is None:
         return None
-    for _ in range(_ROUNDS if trials else 0):
+    for _ in range(_ROUNDS if trials and not is_open else 0):
         before = search.best_value
         _try_around(search)
         if search.best_value - before <= _GAIN:
             break
         # Where no gradient led on at first (at a summit of a bounded quantity), one may now.
-        _climb(search, search.best)
-    return _optimum(search, objective)
+        _climb(search, search.best, *many)
+    point = _nudged(search)
+    return _optimum(search, objective, point, _is_attained(whole, exact, objective, point))
 
 
-def _climb(search: _Search, start: FloatArray) -> None:
-    """Run SLSQP; where it ends beyond a bound, again with bounds moved inward."""
+def _climb(
+    search: _Search, start: FloatArray, evaluations: int, iterations: int, gain: float
+) -> FloatArray:
+    """Run SLSQP; where it ends beyond a bound, again with bounds moved inward.
+
+    Returns
+    -------
+    ndarray
+        Where it ends, which need not fulfil all conditions.
+    """
     from scipy.optimize import minimize
 
-    polygon, count = search.polygon, len(search.conditions)
-    point, inward = start, 0.0
+    polygon = search.polygon
+    search.left = evaluations
+    point: FloatArray = start
+    limits = search.limits + SLACK
     for _ in range(_ROUNDS):
-        shift = np.full(count, inward)
         constraints = [
             {
                 "type": "ineq",
@@ -195,54 +256,88 @@ def _climb(search: _Search, start: FloatArray) -> None:
                 "jac": lambda p: polygon.normals,  # noqa: ARG005
             }
         ]
-        if count:
+        if len(limits):
             constraints.append(
                 {
                     "type": "ineq",
-                    "fun": lambda p, shift=shift: search.at(p)[1:] - shift,
+                    "fun": lambda p, limits=limits: search.at(p)[1:] - limits,
                     "jac": lambda p: search.slopes_at(p)[1:],
                 }
             )
-        result = minimize(
-            lambda p: -search.at(p)[0],
-            point,
-            jac=lambda p: -search.slopes_at(p)[0],
-            method="SLSQP",
-            constraints=constraints,
-            options={"maxiter": _ITERATIONS, "ftol": 1e-13},
-        )
+        try:
+            result = minimize(
+                lambda p: -search.at(p)[0],
+                point,
+                jac=lambda p: -search.slopes_at(p)[0],
+                method="SLSQP",
+                constraints=constraints,
+                options={"maxiter": iterations, "ftol": gain},
+            )
+        except _Exhausted:
+            return point
         if not np.all(np.isfinite(result.x)):
-            return
-        point = polygon.clip(np.asarray(result.x)[np.newaxis])[0]
-        missed = float(np.max(-search.at(point)[1:], initial=0.0))
-        if missed <= SLACK:
+            return point
+        point = np.array(polygon.clip(np.asarray(result.x)[np.newaxis])[0], dtype=np.float64)
+        margins = search.rows(search.exact.values(point[np.newaxis]))[1:, 0]
+        missed = float(np.max(search.limits - margins, initial=0.0))
+        if missed <= 0.0:
             search.try_points(point[np.newaxis])
-            return
-        if missed > 1e-3:
-            return
-        inward += 2.0 * missed + 1e-12
+            return point
+        if not missed <= 1e-3:
+            return point
+        limits = limits + 2.0 * missed + 1e-12
+    return point
 
 
 def _try_around(search: _Search) -> None:
-    """Try points around the best one, ever closer, and the nearest ones on the border."""
+    """Try points around the best one, ever closer, and the nearest ones on the border.
+
+    Where one is better, those further on in the same direction, too: along a ridge they are.
+    """
     step, turn = _FIRST_TRIAL, 0.0
     while step >= _LAST_TRIAL:
         for _ in range(_TRIALS_EACH):
-            assert search.best is not None
+            before = search.best
+            assert before is not None
             angles = turn + np.linspace(0.0, 2.0 * np.pi, _TRIAL_DIRECTIONS, endpoint=False)
-            ring = search.best + step * np.column_stack([np.cos(angles), np.sin(angles)])
-            if not search.try_points(np.vstack([ring, search.polygon.feet(search.best, step)])):
+            ring = before + step * np.column_stack([np.cos(angles), np.sin(angles)])
+            if not search.try_points(np.vstack([ring, search.polygon.feet(before, step)])):
                 break
+            assert search.best is not None
+            search.try_points(search.best + _FURTHER * (search.best - before))
         step *= 0.4
         turn += 0.4
 
 
-def _optimum(search: _Search, objective: Objective) -> Optimum:
-    assert search.best is not None
-    exact, point = search.exact, search.best
+def _nudged(search: _Search) -> FloatArray:
+    """Return the best point, or where it misses a condition by rounding one next to it.
+
+    That fulfils all conditions to the last digit and is worse by rounding only; where there
+    is none (a bound from both sides), the best point itself.
+    """
+    best = search.best
+    assert best is not None
+    margins = search.rows(search.exact.values(best[np.newaxis]))[1:, 0]
+    if bool(np.all(margins >= 0.0)):
+        return best
+    angles = np.linspace(0.0, 2.0 * np.pi, _TRIAL_DIRECTIONS, endpoint=False)
+    ring = np.column_stack([np.cos(angles), np.sin(angles)])
+    points = search.polygon.clip((best + _NUDGES[:, None, None] * ring).reshape(-1, 2))
+    rows = search.rows(search.exact.values(points))
+    limits = np.maximum(search.limits, 0.0)[:, np.newaxis]
+    fulfils = np.isfinite(rows[0]) & np.all(rows[1:] >= limits, axis=0)
+    values = np.where(fulfils, rows[0], -np.inf)
+    place = int(np.argmax(values))
+    is_as_good = bool(values[place] >= search.best_value - _GAIN)
+    return np.array(points[place]) if is_as_good else best
+
+
+def _optimum(
+    search: _Search, objective: Objective, point: FloatArray, is_attained: bool
+) -> Optimum:
+    exact, polygon = search.exact, search.polygon
     values = exact.values(point[np.newaxis])
     margins = search.rows(values)[1:, 0]
-    polygon: DesignPolygon = exact.polygon
     touched = np.abs(polygon.distances(point[np.newaxis])[0]) <= 1e-8
     pairs = zip(polygon.names(exact.mechanism), touched, strict=True)
     places = [exact.names.index(name) for name in objective.names]
@@ -255,7 +350,30 @@ def _optimum(search: _Search, objective: Objective) -> Optimum:
             if margin <= ACTIVE
         ),
         borders=tuple(name for name, touches in pairs if touches),
+        is_attained=is_attained,
     )
+
+
+def _is_attained(
+    whole: ExactValues, exact: ExactValues, objective: Objective, point: FloatArray
+) -> bool:
+    """Return whether the objective has values on all of the border next to a point.
+
+    Parameters
+    ----------
+    whole, exact
+        Values in the whole design space, and where they are searched for.
+    objective
+        The objective.
+    point
+        The point, shape (2,).
+    """
+    touches = np.abs(exact.polygon.distances(point[np.newaxis])[0]) <= _NEAR
+    if np.any(touches & (whole.polygon.offsets != exact.polygon.offsets)):
+        return False
+    ends = whole.values(whole.polygon.feet(point, _NEAR))
+    places = [whole.names.index(name) for name in objective.names]
+    return bool(np.isfinite(ends[places]).all())
 
 
 def local_maxima(

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
+from fivebar_atlas.synthesis.conditions import SLACK
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -52,7 +53,8 @@ class Objective:
     def value(self, values: FloatArray) -> FloatArray:
         """Return the objective for values of the quantities, shape (names, ...).
 
-        A quantity with a range of no width counts with its distance from the one value.
+        A quantity with a range of no width, but for rounding, counts with its distance from
+        the one value.
         """
         if not self.is_sum:
             return np.asarray(math.copysign(1.0, self.weights[0]) * values[0])
@@ -60,7 +62,8 @@ class Objective:
         for row, weight, low, high in zip(
             values, self.weights, self.least, self.greatest, strict=True
         ):
-            total = total + weight * (row - low) / ((high - low) or 1.0)
+            is_wide = high - low > SLACK * max(abs(low), abs(high))
+            total = total + weight * (row - low) / (high - low if is_wide else 1.0)
         return total
 
     def __str__(self) -> str:

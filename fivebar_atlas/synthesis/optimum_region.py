@@ -78,6 +78,11 @@ def optimum_region(
         If the file is damaged.
     """
     check_conditions(conditions, atlas)
+    if mode is not None:
+        atlas.mode_index(mode)
+    if lci is not None:
+        atlas.mechanism.check_thresholds([lci])
+        atlas.lci_index(lci)
     mechanism, settings = atlas.mechanism, atlas.settings
     points = mechanism.project(atlas.designs)
     triangles = mechanism.triangles(settings.space, settings.resolution)

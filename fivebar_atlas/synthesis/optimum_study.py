@@ -227,6 +227,7 @@ class OptimumStudy:
             "lattice_value": at_lattice,
             "active": [str(condition) for condition in found.active],
             "borders": list(found.borders),
+            "is_attained": found.is_attained,
         }
 
     def _front(self) -> dict[str, Any] | None:
@@ -273,8 +274,10 @@ class OptimumStudy:
                     "condition": str(reach.condition),
                     "alone": reach.alone,
                     "alone_design": place(reach.alone_design),
+                    "alone_is_attained": reach.alone_is_attained,
                     "among": reach.among,
                     "among_design": place(reach.among_design),
+                    "among_is_attained": reach.among_is_attained,
                 }
                 for reach in self.conflict.reaches
             ],

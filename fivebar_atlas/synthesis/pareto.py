@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.synthesis.candidates import Candidates
-from fivebar_atlas.synthesis.conditions import Condition
+from fivebar_atlas.synthesis.conditions import SLACK, Condition
 from fivebar_atlas.synthesis.maximise import maximise
 from fivebar_atlas.synthesis.objectives import Objective
 
@@ -52,7 +52,7 @@ class ParetoFront:
 
 
 def non_dominated(gains: FloatArray) -> IntArray:
-    """Return which points no other point dominates.
+    """Return which points no other point dominates, by more than rounding.
 
     Parameters
     ----------
@@ -63,8 +63,10 @@ def non_dominated(gains: FloatArray) -> IntArray:
     -------
     ndarray
         Indices, rising in the first quantity. A point dominates another where it is
-        nowhere less and somewhere greater, so equal points stay together.
+        nowhere less and somewhere greater, so equal points stay together. Values that are
+        the same but for rounding count as equal.
     """
+    gains = np.array([_without_rounding(row) for row in gains]).reshape(gains.shape)
     order = np.lexsort(gains[::-1])[::-1]
     if len(gains) == 2:
         return _two_quantities(gains, order)[::-1]
@@ -78,6 +80,19 @@ def non_dominated(gains: FloatArray) -> IntArray:
         dominated[0] = True
         remaining, order = remaining[:, ~dominated], order[~dominated]
     return np.array(kept[::-1], dtype=np.int64)
+
+
+def _without_rounding(values: FloatArray) -> FloatArray:
+    """Return values, each run of them that rounding alone keeps apart replaced by its least."""
+    if not len(values):
+        return values
+    order = np.argsort(values, kind="stable")
+    steps = np.diff(values[order]) > SLACK * float(np.max(np.abs(values)))
+    starts = np.concatenate([[0], np.flatnonzero(steps) + 1])
+    runs = np.concatenate([[0], np.cumsum(steps)])
+    alike = np.empty_like(values)
+    alike[order] = values[order][starts][runs]
+    return alike
 
 
 def _two_quantities(gains: FloatArray, order: IntArray) -> IntArray:

@@ -40,6 +40,9 @@ _FEW_ROUNDS, _FINALISTS = 6, 2
 # A start that is worse than this share of the best one of a scan is not worth it.
 _WORTHWHILE = 0.8
 _MOST_POSITIONS = 400_000
+# Share of the width of a polygon of n corners that its chords cut off, times n squared: of a
+# regular one 5, more where corners are closer in some places than in others.
+_CUT_OFF = 60.0
 # Chords of polylines, which have none in between.
 _ANY_DEVIATION = 1.0
 
@@ -106,9 +109,9 @@ def fit_shape(
         raise InfeasibleSizeError(empty_reason(good))
     polygons = [part.polygons(_ANY_DEVIATION) for part in parts]
     corners = np.concatenate([part[0] for part in polygons])
-    lower, upper = corners.min(axis=0), corners.max(axis=0)
-    sides = np.subtract(*reversed(shape.extent))
-    limit = 1.001 * float(np.min((upper - lower) / sides))
+    boxes = [Box.around(part) for part in polygons]
+    # A shape is connected, so it lies in one part.
+    limit = max(box.limit(shape) for box in boxes)
     if not isinstance(placement, str) and any(placement):
         # its centre lies within the box around the good-condition workspace
         limit = min(limit, float(np.hypot(*corners.T).max() / np.hypot(*placement)) + 1e-300)
@@ -121,9 +124,9 @@ def fit_shape(
         _points_of_holes(good, [hole for part in polygons for hole in part[1:]]),
     )
     for _ in range(PROOFS):
-        anchor, scale = best_position(search, placement, lower, upper)
+        anchor, scale = _best_of_parts(search, placement, boxes)
         if scale == 0.0:
-            raise InfeasibleSizeError(_why_not(search, placement, lower, upper))
+            raise InfeasibleSizeError(_why_not(search, placement, boxes))
         decides = scale < search.limit
         # Where squares do not suffice next to contacts, some more room does.
         for allowance, most in PATIENCE:
@@ -145,8 +148,66 @@ def fit_shape(
     )
 
 
+@dataclasses.dataclass(frozen=True, slots=True)
+class Box:
+    """The box around a part of a good-condition workspace.
+
+    Attributes
+    ----------
+    lower, upper
+        Its corners, shape (2,).
+    points
+        Points of the part, shape (n, 2).
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    points: FloatArray
+
+    @classmethod
+    def around(cls, polygon: Sequence[FloatArray]) -> Box:
+        """Return the box around a part, given as corners of its outline and of its holes.
+
+        The part is larger than its polygon by what chords cut off, more so the fewer there are.
+        """
+        outline = polygon[0]
+        lower, upper = outline.min(axis=0), outline.max(axis=0)
+        beyond = 0.5 * max(_CUT_OFF / len(outline) ** 2 - 1e-3, 0.0) * (upper - lower)
+        return cls(lower - beyond, upper + beyond, _points_in(polygon))
+
+    def limit(self, shape: Shape) -> float:
+        """Return a scale at which a shape is larger than the box."""
+        sides = np.subtract(*reversed(shape.extent))
+        return 1.001 * float(np.min((self.upper - self.lower) / sides))
+
+
+def _best_of_parts(
+    search: ScaleSearch, placement: str | Point, boxes: Sequence[Box]
+) -> tuple[FloatArray, float]:
+    """Return where a shape has the largest scale that is found in any part."""
+    if search.offset is not None:
+        return best_position(search, placement, boxes[0].lower, boxes[0].upper)
+    best = np.zeros(2), 0.0
+    for box in sorted(boxes, key=lambda each: -each.limit(search.shape)):
+        limit = min(search.limit, box.limit(search.shape))
+        if limit > best[1] and _is_open_to(box, placement):
+            inside = dataclasses.replace(search, limit=limit)
+            found = best_position(inside, placement, box.lower, box.upper, box.points)
+            best = max(best, found, key=lambda each: each[1])
+    return best
+
+
+def _is_open_to(box: Box, placement: str | Point) -> bool:
+    """Return whether the centre of a shape may be in a box."""
+    return placement != ON_AXIS or bool(box.lower[0] <= 0.0 <= box.upper[0])
+
+
 def best_position(
-    search: ScaleSearch, placement: str | Point, lower: FloatArray, upper: FloatArray
+    search: ScaleSearch,
+    placement: str | Point,
+    lower: FloatArray,
+    upper: FloatArray,
+    points: FloatArray | None = None,
 ) -> tuple[FloatArray, float]:
     """Return where a shape has the largest scale that is found.
 
@@ -158,6 +219,8 @@ def best_position(
         As for :func:`fit_shape`.
     lower, upper
         Corners of a box that its centre lies in, in non-dimensional lengths, shape (2,).
+    points
+        Positions that are looked at in any case, shape (n, 2).
 
     Returns
     -------
@@ -169,7 +232,7 @@ def best_position(
     if search.offset is not None:
         return np.zeros(2), search.largest_at_offset()
     free = placement == FREE
-    anchors, step = _anchors(search, lower, upper, free)
+    anchors, step = _anchors(search, lower, upper, free, points)
     best = np.zeros(2), 0.0
     if not len(anchors):
         return best
@@ -189,17 +252,29 @@ def best_position(
 
 
 def _anchors(
-    search: ScaleSearch, lower: FloatArray, upper: FloatArray, free: bool
+    search: ScaleSearch,
+    lower: FloatArray,
+    upper: FloatArray,
+    free: bool,
+    points: FloatArray | None = None,
 ) -> tuple[FloatArray, float]:
     """Return the positions of a scan, shape (n, 2), and how far they are apart.
 
     Of a shape that its centre belongs to, this must be good. A narrow workspace then has as
-    many positions as a wide one.
+    many positions as a wide one. Given points come last, those on the y axis where all are.
     """
-    is_centred = bool(search.shape.contains(np.zeros((1, 2)))[0])
+    more = np.empty((0, 2)) if points is None else points
     if not free:
         y = np.linspace(lower[1], upper[1], _AXIS_POSITIONS + 2)
-        return np.column_stack([np.zeros(len(y)), y])[1:-1], float(y[1] - y[0])
+        along = np.column_stack([np.zeros(len(y)), y])[1:-1]
+        return np.concatenate([along, more[more[:, 0] == 0.0]]), float(y[1] - y[0])
+    grid, step = _grid(search, lower, upper)
+    return np.concatenate([grid, more]), step
+
+
+def _grid(search: ScaleSearch, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, float]:
+    """Return positions of a grid over a box, shape (n, 2), and their distance."""
+    is_centred = bool(search.shape.contains(np.zeros((1, 2)))[0])
     step = math.sqrt(float(np.prod(upper - lower)) / _FREE_POSITIONS)
     while True:
         lines = [
@@ -228,6 +303,15 @@ def _starts(anchors: FloatArray, scales: FloatArray, apart: float, most: int) ->
     return starts
 
 
+def _points_in(loops: Sequence[FloatArray]) -> FloatArray:
+    """Return a point of a part between its outline and its holes, which tells it from others."""
+    import shapely
+
+    part = shapely.Polygon(loops[0], loops[1:])
+    points = [part.representative_point()] if part.is_valid else [shapely.Point(loops[0][0])]
+    return np.array([(point.x, point.y) for point in points])
+
+
 def _points_of_holes(good: GoodCondition, holes: Sequence[FloatArray]) -> list[FloatArray]:
     """Return a point of every hole that is not good itself."""
     import shapely
@@ -254,9 +338,7 @@ def empty_reason(good: GoodCondition) -> str:
     )
 
 
-def _why_not(
-    search: ScaleSearch, placement: str | Point, lower: FloatArray, upper: FloatArray
-) -> str:
+def _why_not(search: ScaleSearch, placement: str | Point, boxes: Sequence[Box]) -> str:
     """Return why a shape fits at no size, and what comes closest."""
     good, shape = search.good, search.shape
     without = dataclasses.replace(search, good=dataclasses.replace(good, ranges=()))
@@ -286,7 +368,13 @@ def _why_not(
         candidates = points[least >= 0.0].reshape(-1, 2)
         where = "of the shape"
     else:
-        anchors, _ = _anchors(without, lower, upper, placement == FREE)
+        open_boxes = [box for box in boxes if _is_open_to(box, placement)] or boxes
+        anchors = np.concatenate(
+            [
+                _anchors(without, box.lower, box.upper, placement == FREE, box.points)[0]
+                for box in open_boxes
+            ]
+        )
         margins = without.good.margins(anchors)
         where = "on the y axis" if placement == ON_AXIS else "of the good-condition workspace"
         if np.all(margins < 0.0):

@@ -3,7 +3,8 @@
 The outline of a region of the lattice has corners where a bound is reached by linear
 interpolation. Newton's method moves each of them to where the bound is reached by the
 quantity itself: along its gradient, along the border of the design space where it lies on
-one, and to the common point of both bounds where two meet.
+one, and to the common point of both bounds where two meet. The first gradients are those of
+the interpolation, and every step corrects them by what it found (Broyden's method).
 """
 
 from __future__ import annotations
@@ -28,12 +29,16 @@ RESIDUAL = 1e-8
 # Newton's method goes on below that bound, as far as the values are exact.
 _AIM = 1e-10
 _ITERATIONS = 20
-# Gradients are computed again where a step leaves more than this share of a residual.
-_FAST = 0.05
+# Gradients are computed by differences where a step leaves more than this share of a residual.
+_FAST = 0.3
+# From residuals below this one a step leads to where values of the full accuracy are needed.
+_CLOSE = 1e-5
 # Below this share of its scale an interpolated margin is zero.
 _AT_BOUND = 1e-11
 # Singular values below this share of the largest belong to directions that stay as they are.
 _DEPENDENT = 1e-3
+# Steps below this length teach nothing about gradients.
+_STILL = 1e-9
 # A relative change per unit of the chart below this one is none.
 _FLAT = 1e-6
 
@@ -73,23 +78,20 @@ class _Corners:
     points: FloatArray
     active: BoolArray  # (corners, conditions)
     sides: BoolArray  # (corners, sides of the polygon)
+    slopes: FloatArray  # gradients of scaled margins, (corners, conditions, 2)
+    margins: FloatArray  # scaled, NaN where not computed yet, (corners, conditions)
 
     def joined(self, other: _Corners) -> _Corners:
-        return _Corners(
-            np.vstack([self.points, other.points]),
-            np.vstack([self.active, other.active]),
-            np.vstack([self.sides, other.sides]),
+        pairs = (
+            (getattr(self, field.name), getattr(other, field.name))
+            for field in dataclasses.fields(self)
         )
+        return _Corners(*map(np.concatenate, pairs))
 
-
-def condition_scales(conditions: Sequence[Condition], margins: FloatArray) -> FloatArray:
-    """Return what residuals are relative to: the bound, or the range where it is 0."""
-    scales = []
-    for condition, row in zip(conditions, margins, strict=True):
-        finite = row[np.isfinite(row)]
-        width = float(np.ptp(finite)) if len(finite) else 0.0
-        scales.append(abs(condition.bound) or width or 1.0)
-    return np.array(scales)
+    def residuals(self) -> FloatArray:
+        """Return the largest relative distance of each corner from the bounds it lies on."""
+        largest = np.max(np.abs(self.margins), axis=1, initial=0.0, where=self.active)
+        return np.asarray(largest)
 
 
 def outline_error(
@@ -98,6 +100,7 @@ def outline_error(
     triangles: IntArray,
     points: FloatArray,
     margins: FloatArray,
+    scales: FloatArray,
     exact: ExactValues,
 ) -> float:
     """Return the largest relative error of interpolated bounds at corners of an outline.
@@ -105,9 +108,9 @@ def outline_error(
     Parameters are as for :func:`refine`; 0 where no corner lies on a bound.
     """
     polygon = DesignPolygon.of_lattice(points, triangles)
-    scales = condition_scales(conditions, margins)
     corners = _corners_of(region, region.loops, triangles, points, margins, scales, polygon)
-    residuals = _residuals(corners, conditions, scales, exact)
+    corners.margins[:] = _margins(corners.points, conditions, scales, exact.for_search())
+    residuals = corners.residuals()
     return float(np.max(residuals, initial=0.0, where=np.isfinite(residuals)))
 
 
@@ -117,6 +120,7 @@ def refine(
     triangles: IntArray,
     points: FloatArray,
     margins: FloatArray,
+    scales: FloatArray,
     exact: ExactValues,
 ) -> RefinedRegion:
     """Move the corners of a region's outline onto the true level sets.
@@ -131,6 +135,8 @@ def refine(
         The triangulated lattice in the chart.
     margins
         Margins of the conditions at the designs of the lattice, shape (conditions, n).
+    scales
+        What residuals are relative to, shape (conditions,).
     exact
         Values of the conditions' quantities, and others, anywhere.
 
@@ -141,15 +147,13 @@ def refine(
         on one bound get a further corner in the middle.
     """
     polygon = DesignPolygon.of_lattice(points, triangles)
-    scales = condition_scales(conditions, margins)
     reach = 2.0 * float(np.max(np.linalg.norm(points[triangles[:1, 1]] - points[triangles[:1, 0]])))
     loops = []
     residual, before, unmoved, area, coarse_area = 0.0, 0.0, 0, 0.0, 0.0
     for outline in region.loops:
         corners = _corners_of(region, (outline,), triangles, points, margins, scales, polygon)
-        start = _residuals(corners, conditions, scales, exact)
+        reached, start = _move(corners, conditions, scales, exact, polygon, reach)
         before = max(before, float(np.max(start, initial=0.0, where=np.isfinite(start))))
-        reached = _move(corners, conditions, scales, exact, polygon, reach)
         coarse_area += _area(corners.points)
         following = np.roll(np.arange(len(corners.points)), -1)
         shared = corners.active & corners.active[following]
@@ -159,8 +163,10 @@ def refine(
             (corners.points[curved] + corners.points[following[curved]]) / 2.0,
             shared[curved],
             np.zeros((len(curved), len(polygon.corners)), dtype=np.bool_),
+            (corners.slopes[curved] + corners.slopes[following[curved]]) / 2.0,
+            np.full((len(curved), len(conditions)), np.nan),
         )
-        reached_middles = _move(middles, conditions, scales, exact, polygon, reach)
+        reached_middles, _ = _move(middles, conditions, scales, exact, polygon, reach)
         together = corners.joined(middles)
         arrived = np.concatenate([reached, reached_middles])
         order = np.argsort(
@@ -168,10 +174,9 @@ def refine(
         )
         # Corners near a meeting point of two bounds may have moved beyond the other bound.
         kept = [place for place in order if arrived[place] or place < len(corners.points)]
-        beyond = _beyond(together, conditions, scales, exact) & arrived
+        beyond = np.any((together.margins < -RESIDUAL) & ~together.active, axis=1) & arrived
         loop = [place for place in kept if not beyond[place]]
-        final = _residuals(together, conditions, scales, exact)
-        counted = final[arrived]
+        counted = together.residuals()[arrived]
         residual = max(residual, float(np.max(counted, initial=0.0, where=np.isfinite(counted))))
         unmoved += int(np.count_nonzero(~reached))
         area += _area(together.points[loop])
@@ -208,39 +213,39 @@ def _corners_of(
     else:
         nearest = cKDTree(places).query(outline)[1]
     weights, corners = region.corner_weights[nearest], vertices[nearest]
-    at_corners = np.einsum("cv,kcv->ck", weights, margins[:, corners])
+    at_vertices = margins[:, corners] / scales[:, np.newaxis, np.newaxis]
+    at_corners = np.einsum("cv,kcv->ck", weights, at_vertices)
+    along = points[corners[:, 1:]] - points[corners[:, :1]]
+    rises = (at_vertices[:, :, 1:] - at_vertices[:, :, :1]).transpose(1, 2, 0)
     return _Corners(
         points=outline.copy(),
-        active=np.abs(at_corners) <= _AT_BOUND * np.maximum(scales, 1e-300),
+        active=np.abs(at_corners) <= _AT_BOUND,
         sides=np.abs(polygon.distances(outline)) <= 1e-9,
+        slopes=np.asarray(np.linalg.solve(along, rises).transpose(0, 2, 1), dtype=np.float64),
+        margins=np.full((len(outline), len(scales)), np.nan),
     )
 
 
-def _residuals(
-    corners: _Corners, conditions: Sequence[Condition], scales: FloatArray, exact: ExactValues
+def _margins(
+    points: FloatArray, conditions: Sequence[Condition], scales: FloatArray, exact: ExactValues
 ) -> FloatArray:
-    """Return the largest relative distance of each corner from the bounds it lies on."""
-    margins = _margins(corners.points, conditions, exact)
-    relative = np.abs(margins) / scales[:, np.newaxis]
-    return np.asarray(np.max(relative, axis=0, initial=0.0, where=corners.active.T))
-
-
-def _beyond(
-    corners: _Corners, conditions: Sequence[Condition], scales: FloatArray, exact: ExactValues
-) -> BoolArray:
-    """Return which corners break a condition that they do not lie on."""
-    margins = _margins(corners.points, conditions, exact) / scales[:, np.newaxis]
-    return np.asarray(np.any((margins < -RESIDUAL) & ~corners.active.T, axis=0))
-
-
-def _margins(points: FloatArray, conditions: Sequence[Condition], exact: ExactValues) -> FloatArray:
-    """Return exact margins, shape (conditions, n)."""
+    """Return exact margins, scaled, shape (n, conditions)."""
     if not len(points):
-        return np.empty((len(conditions), 0))
+        return np.empty((0, len(conditions)))
     values = exact.values(points)
     rows = [exact.names.index(condition.quantity) for condition in conditions]
     margins = [each.margin(values[row]) for each, row in zip(conditions, rows, strict=True)]
-    return np.array(margins).reshape(len(conditions), len(points))
+    return np.array(margins).reshape(len(conditions), len(points)).T / scales
+
+
+def _gradients(
+    points: FloatArray, conditions: Sequence[Condition], scales: FloatArray, exact: ExactValues
+) -> FloatArray:
+    """Return gradients of scaled margins by differences, shape (n, conditions, 2)."""
+    rows = [exact.names.index(condition.quantity) for condition in conditions]
+    signs = np.array([1.0 if condition.operator[0] == ">" else -1.0 for condition in conditions])
+    gradients = exact.gradients(points, exact.values(points))[rows]
+    return np.asarray(gradients.transpose(1, 0, 2) * (signs / scales)[:, np.newaxis])
 
 
 def _move(
@@ -250,59 +255,108 @@ def _move(
     exact: ExactValues,
     polygon: DesignPolygon,
     reach: float,
-) -> BoolArray:
-    """Move corners to their bounds by Newton's method, all at once; return which arrived.
+) -> tuple[BoolArray, FloatArray]:
+    """Move corners to their bounds, all at once.
 
     A step is the shortest one that meets all bounds of a corner and stays on its sides; a
-    corner that does not arrive within ``reach`` goes back to where it was. Gradients are
-    kept as long as the residual falls fast with them.
+    corner that does not arrive within ``reach`` goes back to where it was.
+
+    Returns
+    -------
+    arrived : ndarray
+        Which corners lie on their bounds now, shape (corners,).
+    residuals : ndarray
+        How far each was from them, shape (corners,).
     """
     start = corners.points.copy()
-    best = np.full(len(start), np.inf)
-    best_points = start.copy()
-    before = np.full(len(start), np.inf)
-    slopes = np.full((len(conditions), len(start), 2), np.nan)
+    search = exact.for_search()
     movable = corners.active.any(axis=1) & (np.count_nonzero(corners.sides, axis=1) < 2)
+    still = np.flatnonzero(~movable)
+    corners.margins[still] = _margins(start[still], conditions, scales, exact)
+    at_start = corners.residuals()
+    best, before = np.full((2, len(start)), np.inf)
+    best_points, best_margins = start.copy(), corners.margins.copy()
+    points_before, margins_before = start.copy(), corners.margins.copy()
+    is_close = np.zeros(len(start), dtype=np.bool_)
     moving = np.flatnonzero(movable)
-    rows = [exact.names.index(condition.quantity) for condition in conditions]
-    signs = np.array([1.0 if condition.operator[0] == ">" else -1.0 for condition in conditions])
-    bounds = np.array([condition.bound for condition in conditions])
-    for _ in range(_ITERATIONS):
+    for iteration in range(_ITERATIONS):
         if not len(moving):
             break
-        points = corners.points[moving]
-        values = exact.values(points)
-        residuals = (signs * (values[rows].T - bounds)) / scales  # (moving, conditions)
-        active = corners.active[moving]
-        worst = np.max(np.abs(residuals), axis=1, initial=0.0, where=active)
-        worst = np.where(np.isnan(residuals).any(axis=1), np.inf, worst)
-        improved = worst < best[moving]
-        best[moving[improved]] = worst[improved]
-        best_points[moving[improved]] = points[improved]
+        for part, values in (
+            (moving[~is_close[moving]], search),
+            (moving[is_close[moving]], exact),
+        ):
+            corners.margins[part] = _margins(corners.points[part], conditions, scales, values)
+        points, margins = corners.points[moving], corners.margins[moving]
+        worst = corners.residuals()[moving]
+        worst = np.where(np.isnan(margins).any(axis=1), np.inf, worst)
+        if iteration == 0:
+            at_start[moving] = worst
+        improved = moving[is_close[moving] & (worst < best[moving])]
+        best[improved] = corners.residuals()[improved]
+        best_points[improved] = corners.points[improved]
+        best_margins[improved] = corners.margins[improved]
+        _learn(corners, moving, points_before, margins_before)
+        points_before[moving], margins_before[moving] = points, margins
         gone = np.linalg.norm(points - start[moving], axis=1) > reach
         going = (worst > _AIM) & np.isfinite(worst) & ~gone
-        moving, points, worst = moving[going], points[going], worst[going]
-        values, residuals = values[:, going], residuals[going]
-        slow = ~(worst <= _FAST * before[moving]) | np.isinf(before[moving])
+        # What seems to be there already is looked at once more, as it is.
+        going |= ~is_close[moving] & (worst <= _AIM)
+        moving, worst = moving[going], worst[going]
+        slow = ~(worst <= _FAST * before[moving]) & (worst > _CLOSE * _FAST)
+        slow &= np.isfinite(before[moving])
+        slow |= ~np.isfinite(corners.slopes[moving]).all(axis=(1, 2))
         before[moving] = worst
-        if slow.any():
-            gradients = exact.gradients(points[slow], values[:, slow])[rows]
-            slopes[:, moving[slow]] = (signs / scales)[:, np.newaxis, np.newaxis] * gradients
-        for number, corner in enumerate(moving):
-            step = _step(
-                residuals[number],
-                slopes[:, corner],
-                corners.active[corner],
-                polygon.normals[corners.sides[corner]],
-            )
-            length = float(np.linalg.norm(step))
-            corners.points[corner] += step * min(1.0, reach / max(length, 1e-300))
-        corners.points[moving] = polygon.clip(corners.points[moving])
-    corners.points[movable] = best_points[movable]
-    failed = movable & (best > RESIDUAL)
+        again = moving[slow]
+        if len(again):
+            corners.slopes[again] = _gradients(corners.points[again], conditions, scales, search)
+        steps = _steps(corners, moving, polygon)
+        lengths = np.linalg.norm(steps, axis=1)
+        shares = np.minimum(1.0, reach / np.maximum(lengths, 1e-300))
+        corners.points[moving] = polygon.clip(
+            corners.points[moving] + shares[:, np.newaxis] * steps
+        )
+        is_close[moving] |= worst <= _CLOSE
+    arrived = movable & (best <= RESIDUAL)
+    failed = movable & ~arrived
+    corners.points[arrived], corners.margins[arrived] = best_points[arrived], best_margins[arrived]
     corners.points[failed] = start[failed]
     fixed = ~movable & (corners.sides.any(axis=1) | corners.active.any(axis=1))
-    return np.asarray((movable & ~failed) | fixed)
+    return np.asarray(arrived | fixed), at_start
+
+
+def _learn(
+    corners: _Corners, moving: IntArray, points_before: FloatArray, margins_before: FloatArray
+) -> None:
+    """Correct gradients so that they explain what the last step changed (Broyden)."""
+    steps = corners.points[moving] - points_before[moving]
+    squares = np.sum(steps**2, axis=1)
+    changes = corners.margins[moving] - margins_before[moving]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        missed = changes - np.einsum("ckx,cx->ck", corners.slopes[moving], steps)
+        corrections = np.einsum("ck,cx->ckx", missed, steps) / squares[:, None, None]
+    usable = np.isfinite(corrections) & (squares > _STILL**2)[:, None, None]
+    corners.slopes[moving] += np.where(usable, corrections, 0.0)
+
+
+def _steps(corners: _Corners, moving: IntArray, polygon: DesignPolygon) -> FloatArray:
+    """Return the step of each corner to its bounds, shape (moving, 2)."""
+    steps = np.zeros((len(moving), 2))
+    active, margins = corners.active[moving], corners.margins[moving]
+    simple = (np.count_nonzero(active, axis=1) == 1) & ~corners.sides[moving].any(axis=1)
+    rows = np.flatnonzero(simple)
+    conditions = np.argmax(active[rows], axis=1)
+    slopes = corners.slopes[moving[rows], conditions]
+    squares = np.maximum(np.sum(slopes**2, axis=1), 1e-300)
+    steps[rows] = -(margins[rows, conditions] / squares)[:, np.newaxis] * slopes
+    for row in np.flatnonzero(~simple):
+        steps[row] = _step(
+            margins[row],
+            corners.slopes[moving[row]],
+            active[row],
+            polygon.normals[corners.sides[moving[row]]],
+        )
+    return steps
 
 
 def _step(

@@ -72,6 +72,11 @@ class ScaleSearch:
     holes: list[FloatArray]
 
     @functools.cached_property
+    def size(self) -> float:
+        """About the size of where it is to lie, at most 1: lengths of steps go by it."""
+        return min(1.0, self.limit * float(np.abs(np.concatenate(self.shape.extent)).max()))
+
+    @functools.cached_property
     def places(self) -> FloatArray:
         """Samples along the boundary."""
         return self.shape.boundary_samples(_BOUNDARY)
@@ -298,9 +303,9 @@ class ScaleSearch:
         axes = [0, 1] if free else [1]
         scale = self.largest_scale(anchor, self.limit)
         contacts = np.empty((0, 2))
-        reach = _FIRST_REACH
+        reach = _FIRST_REACH * self.size
         for _ in range(rounds):
-            if not 0.0 < scale < self.limit or reach < _LAST_REACH:
+            if not 0.0 < scale < self.limit or reach < _LAST_REACH * self.size:
                 break
             points, values = self.worst(anchor, scale)
             contacts = np.concatenate([points[values < _CONTACT], contacts])[:_MOST_CONTACTS]
@@ -355,9 +360,10 @@ class ScaleSearch:
 
         def slopes(variables: FloatArray) -> FloatArray:
             at = placed(variables)
-            steps = _GRADIENT_STEP * np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+            step = _GRADIENT_STEP * self.size
+            steps = step * np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
             right, left, above, below = self.good.margins(at + steps[:, None])
-            rise = np.column_stack([right - left, above - below]) / (2.0 * _GRADIENT_STEP)
+            rise = np.column_stack([right - left, above - below]) / (2.0 * step)
             return np.column_stack([rise[:, axes], np.sum(rise * shape_points, axis=1)])
 
         start = np.append(anchor[axes], scale * size)
@@ -383,7 +389,7 @@ class ScaleSearch:
             directions = np.column_stack([np.cos(angles), np.sin(angles)])
         for step in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
             for direction in directions:
-                trial = anchor + step * direction
+                trial = anchor + step * self.size * direction
                 trial_scale = self.largest_scale(trial, min(self.limit, scale * (1.0 + 100 * step)))
                 if trial_scale > scale * (1.0 + 1e-10):
                     anchor, scale = self.improve(trial, free, ROUNDS)

@@ -10,6 +10,7 @@ import dataclasses
 import functools
 import math
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,14 @@ from fivebar_atlas.point_files import read_points
 
 BoolArray = npt.NDArray[np.bool_]
 
+#: Range of lengths; areas, which go with their squares, stay finite.
+LENGTH_RANGE = (1e-100, 1e100)
+
 _MOST_CORNERS = 10_000
+# How many times as long as wide the box around a shape may be.
+_MOST_SLENDER = 1e6
+# How well-known text begins, and no heading of a column does.
+_WELL_KNOWN = re.compile(r"[A-Za-z]{4,}\s*(?:ZM?|M)?\s*\(\s*[-+.(\d]")
 # Products of points and edges that are formed at once.
 _BLOCK = 2_000_000
 # Samples of the shortest piece of a boundary.
@@ -60,13 +68,14 @@ class Shape:
         Raises
         ------
         InputError
-            If a side is not positive and finite, or the clearance negative or not finite.
+            If a side or the clearance is out of the range of lengths, or the shape too slender.
         """
         for side in (width, height):
             _check_length("rectangle", side)
         _check_clearance(clearance)
         signs = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
         corners = 0.5 * signs * (width, height)
+        _check_box("rectangle", width + 2.0 * clearance, height + 2.0 * clearance)
         return cls(f"rectangle {width:g} x {height:g}", corners, clearance, clearance)
 
     @classmethod
@@ -76,7 +85,7 @@ class Shape:
         Raises
         ------
         InputError
-            If the diameter is not positive and finite, or the clearance negative or not finite.
+            If the diameter or the clearance is out of the range of lengths.
         """
         _check_length("circle", diameter)
         _check_clearance(clearance)
@@ -98,7 +107,8 @@ class Shape:
         ------
         InputError
             If there are fewer than three corners or more than 10 000, one is not finite, the
-            polygon meets itself or has no area; if the clearance is negative or not finite.
+            polygon meets itself or has no area, or is too slender, or not in the range of
+            lengths; if the clearance is not.
         """
         import shapely
 
@@ -108,22 +118,36 @@ class Shape:
             raise InputError("polygon", points.shape, "corners of shape (n, 2)")
         if not np.all(np.isfinite(points)):
             raise InputError("polygon", "a corner that is not finite", "finite coordinates")
+        least, greatest = LENGTH_RANGE
+        largest = float(np.max(np.abs(points), initial=0.0))
+        if largest > greatest:
+            raise InputError("polygon", largest, f"coordinates up to {greatest:g}")
         points = points[np.any(points != np.roll(points, 1, axis=0), axis=1)]
         if not 3 <= len(points) <= _MOST_CORNERS:
             allowed = f"3 to {_MOST_CORNERS} different corners"
             raise InputError("polygon", f"{len(points)} corners", allowed)
+        width, height = (float(side) for side in np.ptp(points, axis=0))
+        if max(width, height) < least:
+            raise InputError("polygon", max(width, height), f"a width of at least {least:g}")
+        if _is_straight(points):
+            raise InputError("polygon", "corners on one line", "a polygon with an area above 0")
         outline = shapely.Polygon(points)
         if not outline.is_valid:
             reason = str(shapely.is_valid_reason(outline))
             raise InputError("polygon", reason, "a polygon that does not meet itself")
         if not outline.area > 0.0:
             raise InputError("polygon", outline.area, "a polygon with an area above 0")
+        _check_box("polygon", width + 2.0 * clearance, height + 2.0 * clearance)
         if not outline.exterior.is_ccw:
             points = points[::-1]
         middle = np.array([outline.centroid.x, outline.centroid.y])
         centre = float(middle[0]), float(middle[1])
         name = f"polygon of {len(points)} corners"
         return cls(name, points - middle, clearance, clearance, centre)
+
+    def name_in(self, unit: str) -> str:
+        """Return what it is, its lengths in a unit; that of a polygon says none."""
+        return self.name if self.name.startswith("polygon") else f"{self.name} {unit}"
 
     @property
     def pieces(self) -> int:
@@ -258,7 +282,7 @@ def read_polygon(path: str | os.PathLike[str], unit: str, clearance: float = 0.0
     _check_clearance(clearance)
     path = Path(path)
     text = _beginning(path)
-    if text[:1].isalpha() and "(" in text:
+    if _WELL_KNOWN.match(text):
         corners = _from_text(path)
     elif text.upper().startswith("POLYGON"):
         raise FileUsageError(path, "holds an empty polygon")
@@ -303,11 +327,33 @@ def _from_text(path: Path) -> FloatArray:
     return corners
 
 
+def _is_straight(points: FloatArray) -> bool:
+    """Return whether all points, shape (n, 2), lie on a line but for rounding."""
+    from_first = points - points[0]
+    lengths = np.hypot(*from_first.T)
+    along = from_first[int(np.argmax(lengths))] / lengths.max()
+    across = np.abs(from_first[:, 0] * along[1] - from_first[:, 1] * along[0])
+    rounding = 8.0 * np.finfo(np.float64).eps * float(np.abs(points).max())
+    return bool(across.max() <= rounding)
+
+
 def _check_length(name: str, length: float) -> None:
-    if not (math.isfinite(length) and length > 0.0):
+    least, greatest = LENGTH_RANGE
+    if not length > 0.0 or math.isinf(length):
         raise InputError(name, length, "a finite length above 0")
+    if not least <= length <= greatest:
+        raise InputError(name, length, f"lengths from {least:g} to {greatest:g}")
 
 
 def _check_clearance(clearance: float) -> None:
+    least, greatest = LENGTH_RANGE
     if not (math.isfinite(clearance) and clearance >= 0.0):
         raise InputError("clearance", clearance, "a finite length of 0 or more")
+    if clearance and not least <= clearance <= greatest:
+        raise InputError("clearance", clearance, f"0 or a length from {least:g} to {greatest:g}")
+
+
+def _check_box(name: str, width: float, height: float) -> None:
+    if max(width, height) > _MOST_SLENDER * min(width, height):
+        allowed = f"a shape whose box is at most {_MOST_SLENDER:g} times as long as wide"
+        raise InputError(name, f"{width:g} x {height:g}", allowed)

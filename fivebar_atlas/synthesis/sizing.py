@@ -40,7 +40,7 @@ from fivebar_atlas.synthesis.practical_workspace import (
     PracticalWorkspace,
     input_ranges,
 )
-from fivebar_atlas.synthesis.shapes import Shape
+from fivebar_atlas.synthesis.shapes import LENGTH_RANGE, Shape
 
 _AREA = "good_condition_workspace_area"
 # By how many radians an input may be beyond the range of its actuator: rounding.
@@ -318,6 +318,9 @@ def size_for_area(
     {'R1': 5.756, 'R2': 7.735, 'R3': 0.0}
     """
     check_positive("area", area)
+    least, greatest = (length**2 for length in LENGTH_RANGE)
+    if not least <= area <= greatest:
+        raise InputError("area", area, f"an area from {least:g} to {greatest:g}")
     _check_step(factor_step)
     good = _good(design, mode, lci_threshold, ranges)
     parts = design.good_condition_workspace(lci_threshold, good.mode)
@@ -411,8 +414,12 @@ def size_for_shape(
     good = _good(design, mode, lci_threshold, ranges)
     if isinstance(placement, str) and placement not in (ON_AXIS, FREE):
         raise UnknownNameError("placement", placement, (ON_AXIS, FREE))
-    if not isinstance(placement, str) and not all(map(math.isfinite, placement)):
-        raise InputError("offset", placement, "two finite lengths")
+    if not isinstance(placement, str):
+        if not all(map(math.isfinite, placement)):
+            raise InputError("offset", placement, "two finite lengths")
+        greatest = LENGTH_RANGE[1]
+        if max(map(abs, placement)) > greatest:
+            raise InputError("offset", placement, f"two lengths up to {greatest:g}")
     lengths = _named(design)
     check_limits(lengths, limits)
     least = max(
@@ -538,6 +545,9 @@ def _check_inputs(machine: Machine) -> None:
 def _check_step(step: float | None) -> None:
     if step is not None:
         check_positive("factor step", step)
+        least, greatest = LENGTH_RANGE
+        if not least <= step <= greatest:
+            raise InputError("factor step", step, f"a length from {least:g} to {greatest:g}")
 
 
 def _rounded_up(factor: float, step: float) -> float:

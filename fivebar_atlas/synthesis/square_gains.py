@@ -1,15 +1,17 @@
 """How much larger a square is when what Le, Kang and Doan (2013) fix is let free.
 
 Their square is centred in the maximal inscribed circle, l0 follows from the ratio of links by
-Eq. 21, and the mode pair is "+-"/up. Here each of these is free alone, and all of them together.
-Sides are in lengths of the actuated link. A largest square with a free centre is the smallest
-machine, by its actuated link, for a given square: :mod:`machine_polish` finds it.
+Eq. 21, and the mode pair is "+-"/up. Here each of these is free alone, and all of them together,
+and the square may be a rectangle, which then counts as the square of its area. Sides are in
+lengths of the actuated link. A largest square with a free centre is the smallest machine, by its
+actuated link, for a given square: :mod:`machine_polish` finds it.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -30,8 +32,12 @@ from fivebar_atlas.synthesis.machine_polish import DesignLine, MachinePolish, Po
 from fivebar_atlas.synthesis.machine_search import MachineTask, Start, find_starts
 from fivebar_atlas.synthesis.square_curve import SquareCurve, tied_square
 
+#: Number of cases.
+CASES = 6
 # Ratios of links, and of l0 to l2, of a coarse search with l0 free, and its accuracy.
 _RATIOS, _BASES, _ACCURACY = 18, 13, 1e-8
+# Logarithm of the largest ratio of sides of a rectangle, and number of aspects tried.
+_ASPECT, _ASPECTS = math.log(3.0), 9
 # Best starts on a curve.
 _CURVE_STARTS = 4
 
@@ -58,7 +64,7 @@ class Gain:
 def square_gains(
     task: SquareTask, curve: SquareCurve, progress: Callable[[int, int], None] | None = None
 ) -> list[Gain]:
-    """Return what is gained where centre, l0 and mode pair are free, each alone and together.
+    """Return what is gained where centre, l0, aspect and mode pair are free, and some together.
 
     Parameters
     ----------
@@ -80,10 +86,12 @@ def square_gains(
     cases: tuple[tuple[str, Callable[[], Square | None]], ...] = (
         ("centre free on the y axis", lambda: _free_centre(task, curve, (task.mode,))),
         ("l0 free", lambda: _free_base(task)),
+        ("aspect free", lambda: _free_aspect(task, curve)),
         ("l0 free and centre free", lambda: _all_free(task, (task.mode,))),
         ("every mode pair", lambda: _every_mode(task, curve)),
-        ("all of these", lambda: _all_free(task, task.mechanism.modes)),
+        ("l0, centre and mode pair free", lambda: _all_free(task, task.mechanism.modes)),
     )
+    assert len(cases) == CASES
     gains = []
     for number, (name, search) in enumerate(cases, start=1):
         square = search()
@@ -197,6 +205,22 @@ def _free_base(task: SquareTask) -> Square | None:
         return None
     ratio, _ = best_ratio(share)
     return largest_square(task, (1.0, ratio, share * ratio))
+
+
+def _free_aspect(task: SquareTask, curve: SquareCurve) -> Square | None:
+    """Return the largest rectangle of any aspect, by its area, with l0 tied."""
+    ratios = [square.ratio for square in curve.squares]
+
+    def best_ratio(aspect: float) -> tuple[float, float]:
+        other = dataclasses.replace(task, aspect=math.exp(aspect))
+        return _best_between(functools.partial(_tied_side, other), ratios)
+
+    aspects = [float(each) for each in np.linspace(-_ASPECT, _ASPECT, _ASPECTS)]
+    aspect, value = _best_between(lambda aspect: best_ratio(aspect)[1], aspects)
+    if value == 0.0:
+        return None
+    ratio, _ = best_ratio(aspect)
+    return tied_square(dataclasses.replace(task, aspect=math.exp(aspect)), ratio)
 
 
 def _best_between(

@@ -51,9 +51,12 @@ def design_space(
     from fivebar_atlas import mechanisms
     from fivebar_atlas.figures.design_space import design_space_figure
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
 
     check_figure_output(output, overwrite)
+    if file is not None:
+        check_is_no_input(output, Path(file))
     mechanism = mechanisms.get(mechanisms.names()[0])
     if file is not None:
         with open_atlas(file) as atlas:
@@ -78,9 +81,11 @@ def _draw_quantity(
 ) -> None:
     from fivebar_atlas.figures.atlas_figures import quantity_figure
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
 
     check_figure_output(output, overwrite)
+    check_is_no_input(output, Path(file))
     with open_atlas(file) as atlas, options.asked_to_choose():
         figure = quantity_figure(atlas, name, mode, lci, width=width)
     save_figure(figure, output, overwrite)
@@ -136,14 +141,25 @@ def region(
     Prints the range of every parameter in the region.
     """
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
-    from fivebar_atlas.synthesis.conditions import parse_condition
-    from fivebar_atlas.synthesis.optimum_region import optimum_region
+    from fivebar_atlas.synthesis.candidates import Candidates
+    from fivebar_atlas.synthesis.conditions import (
+        check_conditions,
+        check_contradictions,
+        parse_condition,
+    )
+    from fivebar_atlas.synthesis.empty_region import check_not_empty
 
     check_figure_output(output, overwrite)
+    check_is_no_input(output, Path(file))
     conditions = [parse_condition(where) for where in wheres]
     with open_atlas(file) as atlas, options.asked_to_choose():
-        found = optimum_region(atlas, conditions, mode, lci)
+        check_conditions(conditions, atlas)
+        check_contradictions(conditions)
+        candidates = Candidates(atlas, conditions, mode, lci)
+        check_not_empty(candidates)
+        found = candidates.region
         figure = draw_region(atlas, found.region, conditions, mode, lci, width=width)
         parameters = atlas.mechanism.parameters
     save_figure(figure, output, overwrite)
@@ -192,24 +208,30 @@ def pareto(
     With --designs, where its members lie in the design space.
     """
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
+    from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
     from fivebar_atlas.synthesis.candidates import Candidates
     from fivebar_atlas.synthesis.conditions import (
+        check_conditions,
         check_contradictions,
         condition_names,
         parse_condition,
     )
+    from fivebar_atlas.synthesis.empty_region import check_not_empty
     from fivebar_atlas.synthesis.objectives import parse_directions
     from fivebar_atlas.synthesis.pareto import pareto_front, polished_front
 
     check_figure_output(output, overwrite)
+    check_is_no_input(output, Path(file))
     conditions = [parse_condition(where) for where in wheres]
-    check_contradictions(conditions)
     with open_atlas(file) as atlas, options.asked_to_choose():
+        check_conditions(conditions, atlas)
+        check_contradictions(conditions)
         directions = parse_directions(quantities, condition_names(atlas), "--pareto")
         if len(directions) != 2:
             raise InputError("--pareto", quantities, "two quantities, the axes of the figure")
         candidates = Candidates(atlas, conditions, mode, lci)
+        check_not_empty(candidates)
         front = pareto_front(candidates, directions)
         if polish:
             front = polished_front(candidates, front)

@@ -6,6 +6,7 @@ Mirror symmetry reduces the eight mode pairs to three computations; see :mod:`mi
 from __future__ import annotations
 
 import math
+import threading
 from typing import Any, Protocol
 
 import numpy as np
@@ -65,6 +66,22 @@ def allocate_scratch() -> Scratch:
     scratch: Scratch = allocate_record(SCRATCH)
     set_rules(scratch.panels)
     return scratch
+
+
+class _Kept(threading.local):
+    """The work space of each thread, kept from call to call."""
+
+    scratch: Scratch | None = None
+
+
+_KEPT = _Kept()
+
+
+def _scratch() -> Scratch:
+    """Return the work space of this thread."""
+    if _KEPT.scratch is None:
+        _KEPT.scratch = allocate_scratch()
+    return _KEPT.scratch
 
 
 @kernel
@@ -197,7 +214,7 @@ def evaluate_designs(
     mapped = [canonical_class(*(int(v) for v in mode)) for mode in modes]
     classes = np.array(sorted({kind for kind, _, _ in mapped}), dtype=np.int64)
     theoretical = np.empty(len(designs))
-    scratch = allocate_scratch()
+    scratch = _scratch()
     # the kernels treat so many thresholds together; the rest take further passes
     parts = []
     for start in range(0, max(len(lci_thresholds), 1), MAX_THRESHOLDS):

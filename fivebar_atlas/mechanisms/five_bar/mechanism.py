@@ -15,6 +15,7 @@ from fivebar_atlas.mechanisms.base import (
     THRESHOLD,
     Axis,
     AxisColumn,
+    BoolArray,
     DesignChart,
     Flags,
     FloatArray,
@@ -89,6 +90,7 @@ class FiveBarMechanism(Mechanism):
             "theoretical workspace area",
             has_error=True,
             length_power=2,
+            ignores_tolerance=True,
         ),
         Quantity(
             "usable_workspace_area",
@@ -98,6 +100,7 @@ class FiveBarMechanism(Mechanism):
             (DESIGN, MODE),
             has_error=True,
             length_power=2,
+            ignores_tolerance=True,
         ),
         Quantity("gci", "GCI", "1", "global conditioning index", (DESIGN, MODE), has_error=True),
         Quantity(
@@ -125,35 +128,39 @@ class FiveBarMechanism(Mechanism):
         ),
         Quantity(
             "mic_upper_radius",
-            r"$r_{\mathrm{MIC}}$",
+            r"$r_{\mathrm{MIC}}^{+}$",
             "1",
             "radius of the upper maximal inscribed circle",
             (DESIGN, MODE),
             length_power=1,
+            ignores_tolerance=True,
         ),
         Quantity(
             "mic_upper_y",
-            r"$y_{\mathrm{MIC}}$",
+            r"$y_{\mathrm{MIC}}^{+}$",
             "1",
             "centre height of the upper maximal inscribed circle",
             (DESIGN, MODE),
             length_power=1,
+            ignores_tolerance=True,
         ),
         Quantity(
             "mic_lower_radius",
-            r"$r_{\mathrm{MIC}}$",
+            r"$r_{\mathrm{MIC}}^{-}$",
             "1",
             "radius of the lower maximal inscribed circle",
             (DESIGN, MODE),
             length_power=1,
+            ignores_tolerance=True,
         ),
         Quantity(
             "mic_lower_y",
-            r"$y_{\mathrm{MIC}}$",
+            r"$y_{\mathrm{MIC}}^{-}$",
             "1",
             "centre height of the lower maximal inscribed circle",
             (DESIGN, MODE),
             length_power=1,
+            ignores_tolerance=True,
         ),
         Quantity(
             "status", "status", "1", "status of the computed values", (DESIGN, MODE), flags=STATUS
@@ -258,6 +265,19 @@ class FiveBarMechanism(Mechanism):
         )
         results["sub_region"] = design_space.sub_region(designs)
         return results
+
+    def are_designs(
+        self, parameters: FloatArray, margin: float = 0.0, mode: str | None = None
+    ) -> BoolArray:
+        """Return which designs have links: r1 and r2 are above 0, and the margin.
+
+        In working modes "++" and "--" the base joints are apart, too: where r3 = 0, B1 = B2,
+        and close to it the LCI varies over lengths of r3, which takes long to integrate.
+        """
+        least = np.array([margin, margin, -1.0])
+        if mode is not None and mode_signs(mode)[0] == mode_signs(mode)[1]:
+            least[2] = 1e3 * margin
+        return np.asarray(np.all(parameters > least, axis=1))
 
     def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
         """Scale R1, R2, R3 by D = (R1 + R2 + R3)/3; see :func:`design_space.normalise`."""
