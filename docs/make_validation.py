@@ -1,13 +1,15 @@
-"""Write the table of published values: printed, ours, verdict.
+"""Write the tables of published values, one a paper: printed, ours, verdict.
 
-The values and their computation are those of the test suite, so the table cannot say
+The values and their computation are those of the test suite, so the tables cannot say
 anything that the tests do not check.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 _TESTS = Path(__file__).parent.parent / "tests"
@@ -23,7 +25,7 @@ _VERDICTS = {
 
 
 def make(page: Path) -> None:
-    """Compute every published value and write the table.
+    """Compute every published value and write the tables.
 
     Parameters
     ----------
@@ -31,9 +33,17 @@ def make(page: Path) -> None:
         Markdown file to write; its folder is made if it is missing.
     """
     page.parent.mkdir(parents=True, exist_ok=True)
+    text = []
+    for paper, values in itertools.groupby(load(), lambda value: value.paper):
+        text += [f"### {paper}", "", *_table(values)]
+    page.write_text("\n".join(text), encoding="utf-8")
+
+
+def _table(values: Iterable[PublishedValue]) -> list[str]:
+    """Return the lines of the table of a paper, and the remarks below it."""
     lines = ["| what | where | printed | ours | verdict |", "|---|---|---|---|---|"]
     notes: dict[str, list[str]] = {}
-    for value in load():
+    for value in values:
         ours = value.compute()
         lines.append(
             f"| {value.says} | {value.where} | {_printed(value)} "
@@ -43,7 +53,7 @@ def make(page: Path) -> None:
         if value.explanation:
             notes.setdefault(value.explanation, []).append(value.says)
     remarks = [f"- *{'; '.join(rows)}*: {text}" for text, rows in notes.items()]
-    page.write_text("\n".join([*lines, "", "Remarks:", "", *remarks, ""]), encoding="utf-8")
+    return [*lines, "", "Remarks:", "", *remarks, ""]
 
 
 def _printed(value: PublishedValue) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,16 @@ import yaml
 
 from fivebar_atlas import FiveBar, mechanisms
 from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.synthesis.containment import ActuatorRange
+from fivebar_atlas.synthesis.largest_square import SquareTask, unit_design
+from fivebar_atlas.synthesis.least_lci import least_lci
+from fivebar_atlas.synthesis.shapes import Shape
+from fivebar_atlas.synthesis.square_curve import (
+    SquareCurve,
+    ratios_between,
+    square_curve,
+    tied_square,
+)
 
 FOLDER = Path(__file__).parent / "published"
 
@@ -58,6 +68,8 @@ class PublishedValue:
         What is computed, and from what.
     mode
         The mode pair.
+    paper
+        Authors and year of the paper.
     """
 
     identity: str
@@ -70,6 +82,7 @@ class PublishedValue:
     exact: str | None
     computation: dict[str, Any]
     mode: str
+    paper: str = ""
 
     def compute(self) -> float:
         """Return our value."""
@@ -90,7 +103,7 @@ class PublishedValue:
 
 
 def load() -> list[PublishedValue]:
-    """Return every published value of every paper."""
+    """Return every published value of every paper, those of a paper together."""
     values = []
     for file in sorted(FOLDER.glob("*.yaml")):
         data = yaml.safe_load(file.read_text(encoding="utf-8"))
@@ -106,6 +119,7 @@ def load() -> list[PublishedValue]:
                 exact=entry.get("exact"),
                 computation=entry["compute"],
                 mode=data["mode"],
+                paper=data["paper"],
             )
             for entry in data["values"]
         ]
@@ -202,6 +216,77 @@ def _machine(*, machine: str, lengths: list[float], mode: str) -> float:
     raise ValueError(f"there is no computation of {machine!r}")
 
 
+def _task(mode: str, lci_threshold: float, actuator_range: list[float]) -> SquareTask:
+    """Return the task of a square with one range for both inputs."""
+    ranges = tuple(
+        ActuatorRange(number, *(math.radians(end) for end in actuator_range)) for number in (1, 2)
+    )
+    return SquareTask(mechanisms.get("five-bar"), mode, lci_threshold, ranges)
+
+
+def _optimal_configuration(*, optimal_configuration: str, ratio: float, mode: str) -> float:
+    optimal = mechanisms.get("five-bar").optimal_configuration(ratio)
+    pose = mechanisms.get("five-bar").planar_design(optimal.lengths).pose(*optimal.output, mode)
+    return float(getattr(pose, optimal_configuration))
+
+
+def _largest_square(
+    *,
+    largest_square: str,
+    ratio: float,
+    lci_threshold: float,
+    actuator_range: list[float],
+    mode: str,
+) -> float:
+    square = tied_square(_task(mode, lci_threshold, actuator_range), ratio)
+    return float(getattr(square, largest_square))
+
+
+@functools.cache
+def _curve(least: float, greatest: float, lci_threshold: float, mode: str) -> SquareCurve:
+    """Return the curve for the ranges of Le, Kang and Doan."""
+    return square_curve(
+        _task(mode, lci_threshold, [-60.0, 240.0]), ratios_between(least, greatest, 0.05)
+    )
+
+
+def _best_square(
+    *,
+    best_square: str,
+    between: list[float],
+    lci_threshold: float,
+    actuator_range: list[float],
+    mode: str,
+) -> float:
+    assert actuator_range == [-60.0, 240.0]
+    largest = _curve(*between, lci_threshold, mode).largest
+    assert largest is not None
+    return float(getattr(largest, best_square))
+
+
+def _in_the_square(
+    *,
+    in_the_square: str,
+    ratio: float,
+    mode: str,
+    side: float | None = None,
+    lci_threshold: float = 0.5,
+    actuator_range: Sequence[float] = (-60.0, 240.0),
+) -> float:
+    """Return the least or the largest LCI in a square about the centre of the largest one."""
+    square = tied_square(_task(mode, lci_threshold, [*actuator_range]), ratio)
+    design, factor = unit_design(square.task.mechanism, square.lengths)
+    scale = (square.side if side is None else side) / factor
+    x, y = (part / factor for part in square.centre)
+    if in_the_square == "least_lci":
+        return least_lci(design, mode, Shape.rectangle(1.0, 1.0), (x, y), scale).value
+    found = design.largest_lci(mode)
+    assert found is not None
+    value, place = found
+    assert max(abs(place[0] - x), abs(place[1] - y)) <= 0.5 * scale
+    return value
+
+
 _COMPUTATIONS: dict[str, Callable[..., float]] = {
     "quantity": _quantity,
     "lci_radius": _lci_radius,
@@ -210,4 +295,8 @@ _COMPUTATIONS: dict[str, Callable[..., float]] = {
     "region_bound": _region_bound,
     "sizing": _sizing,
     "machine": _machine,
+    "optimal_configuration": _optimal_configuration,
+    "largest_square": _largest_square,
+    "best_square": _best_square,
+    "in_the_square": _in_the_square,
 }

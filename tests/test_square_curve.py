@@ -18,7 +18,6 @@ from fivebar_atlas.synthesis.largest_square import AXIS, IN_CIRCLE, SquareTask, 
 from fivebar_atlas.synthesis.square_curve import (
     SquareCurve,
     ratios_between,
-    relative_gain,
     square_curve,
 )
 from fivebar_atlas.synthesis.square_curve_lines import curve_lines
@@ -93,6 +92,7 @@ def test_the_largest_value_is_that_of_a_scan(curve: SquareCurve) -> None:
     scan = [*np.linspace(1.2, 4.0, 15), *(ratio + np.array([-1e-3, -1e-6, 1e-6, 1e-3]))]
     assert max(side(other) for other in scan) < side(ratio) - 1e-8
     assert curve.is_kink
+    assert curve.largest.active == (LOWER_SIDE, UPPER_CORNERS)
     assert curve.largest.side >= max(square.side for square in curve.squares)
 
 
@@ -230,7 +230,3 @@ def test_rounding_adds_no_ratio() -> None:
 def test_wrong_ranges_are_refused(limits: tuple[float, float, float], message: str) -> None:
     with pytest.raises(InputError, match=message):
         ratios_between(*limits)
-
-
-def test_a_relative_gain() -> None:
-    assert relative_gain(1.2, 1.0) == pytest.approx(0.2)

@@ -260,7 +260,7 @@ def _draw_bands(
             np.asarray(part.coords)
             for line in field.lines(edge)
             for part in shapely.get_parts(shapely.LineString(line).intersection(inside))
-            if isinstance(part, shapely.LineString)
+            if isinstance(part, shapely.LineString) and not part.is_empty
         ]
         for place, line in enumerate(lines, start=1):
             look = {"color": style.INK, "linewidth": style.LEVEL_WIDTH}

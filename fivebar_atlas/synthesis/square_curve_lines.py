@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 
 from fivebar_atlas.planar_geometry import FloatArray
-from fivebar_atlas.synthesis.largest_square import SquareTask, largest_square
-from fivebar_atlas.synthesis.square_curve import Piece, SquareCurve
+from fivebar_atlas.synthesis.largest_square import SquareTask
+from fivebar_atlas.synthesis.square_curve import Piece, SquareCurve, tied_square
 
 # Points that a piece has at least, and times that its steps are halved at most.
 _POINTS, _HALVINGS = 8, 4
@@ -52,8 +52,7 @@ def curve_lines(task: SquareTask, curve: SquareCurve) -> tuple[CurveLine, ...]:
 
     def side(ratio: float) -> float:
         if ratio not in known:
-            lengths = task.mechanism.optimal_configuration(ratio).lengths
-            known[ratio] = largest_square(task, lengths).side
+            known[ratio] = tied_square(task, ratio, is_proved=False).side
         return known[ratio]
 
     lines = []
