@@ -73,7 +73,7 @@ def test_a_report_of_a_design(atlas: Command, tmp_path: Path) -> None:
         (("--circle", "5", "--actuator-range", "1", "50", "20"), "a least angle below"),
         (("--circle", "5", "--actuator-range", "3", "0", "20"), "an actuator from 1 to 2"),
         (("--circle", "5", "--link-range", "R4", "0", "20"), "one of R1, R2, R3"),
-        (("--circle", "5", "--link-range", "R1", "30", "20"), "limits of R1"),
+        (("--circle", "5", "--link-range", "R1", "30", "20"), "a least length that is not above"),
         (("--polygon", "nowhere.csv"), "nowhere.csv"),
         (("--circle", "5", "-o", "machine.txt"), "ends in one of .json"),
     ],
