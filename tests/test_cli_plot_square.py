@@ -30,7 +30,7 @@ KINDS = [
     ("square-curve", "--rho", "1.4:2:0.2"),
     ("square-curve", "--rho", "1.4:1.6:0.2", "--actuator-range", "2", "20", "240"),
     ("square-curve", "--rho", "1.6:1.7:0.1", "--centre", "axis", "--aspect", "3:2"),
-    ("square-curve", "--rho", "2:3:1", "--lci", "0.3", "--mode", "mp/up"),
+    ("square-curve", "--rho", "2:3:1", "--lci", "0.3", "--mode", "pp/up"),
     ("square", "--rho", "1.6"),
     ("square", "--lengths", "50", "80", "21", "--lci", "0.3", "--half", "lower"),
     ("square", "--rho", "2", "--actuator-range", "1", "-60", "170"),

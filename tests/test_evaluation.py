@@ -7,6 +7,7 @@ import math
 from typing import Any
 
 import naive
+import naive_square
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -154,6 +155,27 @@ def test_inscribed_circle_lies_inside_and_cannot_grow() -> None:
             y = centre + (radius + 1e-3) * np.sin(angles)
             det_b = naive.det_b(*design, x, y, mode[0], mode[1]) * mode[2]
             assert np.any(np.isnan(det_b)) or np.nanmin(det_b) < 2e-2
+
+
+@pytest.mark.parametrize(
+    ("lengths", "assembly"),
+    [
+        ((1.0, 1.0245369011257943, 0.040716096374757524), -1),
+        ((1.45, 1.475, 0.075), -1),
+        ((1.375, 1.475, 0.15), -1),
+    ],
+)
+def test_inscribed_circle_where_the_coupler_curve_is_near_in_two_places(
+    lengths: tuple[float, float, float], assembly: int
+) -> None:
+    # the place that is nearer is not the one with the nearest sample of the curve
+    scale = 3.0 / sum(lengths)
+    design = tuple(scale * length for length in lengths)
+    values = evaluate([design], [(1, -1, assembly)])
+    half = "upper" if assembly < 0 else "lower"
+    radius, y = (values[f"mic_{half}_{name}"][0, 0] for name in ("radius", "y"))
+    ask = naive_square.Wanted(design, (1, -1), assembly)
+    assert radius == pytest.approx(naive_square.reach_of_circle(ask, y, 3.0), rel=0.0, abs=1e-9)
 
 
 def test_inscribed_circles_of_an_annulus() -> None:

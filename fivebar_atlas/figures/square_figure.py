@@ -27,6 +27,7 @@ from fivebar_atlas.figures.overlays import Overlay, draw_overlays
 from fivebar_atlas.figures.plane_frame import PlaneFrame, bounds_of, flatness, plane_frame
 from fivebar_atlas.figures.plotted_data import PlottedData
 from fivebar_atlas.figures.style import styled
+from fivebar_atlas.figures.text_placement import Box
 from fivebar_atlas.figures.wording import number_text
 from fivebar_atlas.figures.workspace_figure import OUTLINE, draw_outline, fill_region
 from fivebar_atlas.level_curves import SampledField
@@ -180,7 +181,6 @@ def square_figure(
         )
         colours = list(style.colour_map()(np.linspace(0.0, 1.0, len(edges) - 1)))
         fill_region(frame, workspace.region, "usable-workspace", **_WORKSPACE)
-        _draw_bands(frame, field, square, edges, colours, data)
         for number, line in enumerate(field.lines(lci_threshold), start=1):
             frame.line(line, f"threshold-{number}", **_THRESHOLD)
             if data is not None:
@@ -191,6 +191,8 @@ def square_figure(
         draw_overlays(frame, [overlay], data)
         for mark in marks:
             mark.draw(frame, data)
+        # last, for labels keep off the marks
+        _draw_bands(frame, field, square, edges, colours, data)
         used = draw_bar(frame, colours, edge_texts(edges), label)
         draw_key_rows(frame, rows, used)
         return frame.figure
@@ -227,6 +229,9 @@ def _draw_circle(frame: PlaneFrame, circle: CircleArc, data: PlottedData | None)
     frame.line(points, "inscribed-circle", **_CIRCLE)
     centre = np.array([circle.centre])
     frame.line(centre, "inscribed-circle-centre", color=style.INK, zorder=REGION_LEVEL, **_CENTRE)
+    size = _CENTRE["markersize"] / style.POINTS_PER_MM
+    x, y = (frame.scale * part for part in circle.centre)
+    frame.occupied.append(Box(x, y, size, size))
     if data is not None:
         data.add("maximal inscribed circle", points, values=circle.radius)
         data.add("centre of the maximal inscribed circle", centre, values=circle.radius)
@@ -268,10 +273,7 @@ def _draw_bands(
             if data is not None:
                 data.add("contour", line, "LCI", "level", edge)
         labelled[texts[number]] = [np.vstack([loop, loop[:1]]) * frame.scale for loop in loops]
-    border = [np.vstack([square.corners, square.corners[:1]]) * frame.scale]
-    if square.circle is not None:
-        border.append(np.array([square.circle.centre, square.circle.centre]) * frame.scale)
-    label_contours(frame, labelled, border)
+    label_contours(frame, labelled, [np.vstack([square.corners, square.corners[:1]]) * frame.scale])
 
 
 def _loops(shape: shapely.Geometry) -> list[FloatArray]:

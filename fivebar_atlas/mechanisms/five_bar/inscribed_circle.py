@@ -121,28 +121,49 @@ def _coupler_distance(
 
 
 @kernel
+def _sample_distance(arcs: Arcs, k: int, j: int, centre: float) -> float:
+    """Return the squared distance from (0, centre) to a sample of a coupler arc."""
+    if j < 0 or j >= ARC_SAMPLES:
+        return math.inf
+    return float(arcs.sample_x[k, j] ** 2 + (arcs.sample_y[k, j] - centre) ** 2)
+
+
+@kernel
 def _nearest_on_coupler(
     arcs: Arcs, k: int, centre: float, best2: float, exact: bool, r1: float, r2: float, r3: float
 ) -> tuple[float, float]:
     """Return the squared distance from (0, centre) to a coupler arc and the ordinate there.
 
-    The samples bracket the nearest point, a zero of the derivative. Where that is not to
-    be ``exact``, or the samples are too far to beat ``best2``, they are left at that.
+    Samples nearer than both neighbours bracket points that are nearest around, zeros of the
+    derivative; there may be several. Where that is not to be ``exact``, or a sample is too far
+    to beat ``best2``, it is left at that.
     """
-    near, near2 = 0, math.inf
+    near2, near_y = math.inf, 0.0
+    before, here = math.inf, _sample_distance(arcs, k, 0, centre)
     for j in range(ARC_SAMPLES):
-        x, y = arcs.sample_x[k, j], arcs.sample_y[k, j] - centre
-        distance2 = x * x + y * y
-        if distance2 < near2:
-            near, near2 = j, distance2
-    near_y = arcs.sample_y[k, near]
-    # between samples the arc is nearer by no more than the chord to a neighbour
-    other = near + 1 if near + 1 < ARC_SAMPLES else near - 1
-    gap_x = arcs.sample_x[k, near] - arcs.sample_x[k, other]
-    gap_y = arcs.sample_y[k, near] - arcs.sample_y[k, other]
-    gap = 1.5 * math.sqrt(gap_x * gap_x + gap_y * gap_y)
-    if not exact or math.sqrt(near2) - gap > math.sqrt(best2):
-        return near2, near_y
+        after = _sample_distance(arcs, k, j + 1, centre)
+        if here <= before and here <= after:
+            if here < near2:
+                near2, near_y = here, arcs.sample_y[k, j]
+            # between samples the arc is nearer by no more than the chord to a neighbour
+            other = j + 1 if j + 1 < ARC_SAMPLES else j - 1
+            gap_x = arcs.sample_x[k, j] - arcs.sample_x[k, other]
+            gap_y = arcs.sample_y[k, j] - arcs.sample_y[k, other]
+            gap = 1.5 * math.sqrt(gap_x * gap_x + gap_y * gap_y)
+            if exact and math.sqrt(here) - gap <= math.sqrt(min(best2, near2)):
+                distance2, y = _nearest_around(arcs, k, j, centre, r1, r2, r3)
+                if distance2 < near2:
+                    near2, near_y = distance2, y
+        before, here = here, after
+    return near2, near_y
+
+
+@kernel
+def _nearest_around(
+    arcs: Arcs, k: int, near: int, centre: float, r1: float, r2: float, r3: float
+) -> tuple[float, float]:
+    """Return the same between the neighbours of a sample; (inf, 0) if that is an end of the arc."""
+    near2, near_y = math.inf, 0.0
     step = (arcs.end[k] - arcs.start[k]) / ARC_SAMPLES
     middle = arcs.start[k] + (near + 0.5) * step
     x1, x2 = max(middle - step, arcs.start[k]), min(middle + step, arcs.end[k])
