@@ -84,7 +84,8 @@ def _exit_code(run: Callable[[], Any]) -> int:
     """Run a command and return its exit code; whatever goes wrong becomes one line."""
     try:
         code = run()
-        sys.stdout.flush()
+        if sys.stdout is not None:  # closed by whoever started the process
+            sys.stdout.flush()
     except click.Abort as abort:
         click.echo("; ".join(["atlas: interrupted", *filter(None, [str(abort)])]), err=True)
         return _INTERRUPTED

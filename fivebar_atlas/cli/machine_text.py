@@ -270,4 +270,5 @@ def _row_lines(rows: Iterable[Row]) -> Iterator[str]:
 
 def text_line(label: str, value: str, more: str = "") -> str:
     """Return a line of the report."""
-    return f"{label:{_LABEL_WIDTH}}{value}{'  ' + more if more else ''}".rstrip()
+    padded = f"{label:{_LABEL_WIDTH}}" if len(label) < _LABEL_WIDTH else f"{label}  "
+    return f"{padded}{value}{'  ' + more if more else ''}".rstrip()

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from fivebar_atlas.cli.machine_text import MachineText, text_line
-from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table
+from fivebar_atlas.cli.presentation import Captioned, Row, Section
 
 if TYPE_CHECKING:
     from fivebar_atlas.synthesis.best_machines import RankedMachine
@@ -47,13 +47,9 @@ class MachinesText:
     def summary(self) -> str:
         """The best one in a sentence."""
         best = self.machines[0]
-        lengths = ", ".join(
-            f"{name} = {length:.6g} {self.task.unit}"
-            for name, length in best.machine.lengths.items()
-        )
         return (
-            f"The smallest {self.task.goal.long_name} is {self._value(best)}, with {lengths} in "
-            f"the mode pair {best.machine.good.mode}."
+            f"The smallest {self.task.goal.long_name} is {self._value(best)}, with "
+            f"{self._lengths(best)} in the mode pair {best.machine.good.mode}."
         )
 
     def document(self) -> dict[str, Any]:
@@ -82,6 +78,8 @@ class MachinesText:
         yield text_line("practical workspace", f"{task.shape.name_in(task.unit)}{clear}")
         yield text_line("minimised", f"{task.goal.long_name}")
         yield text_line("searched", self._searched)
+        count = len(self.machines)
+        yield text_line("found", f"{count} distinct machine{'' if count == 1 else 's'}")
         for number, ranked in enumerate(self.machines, start=1):
             yield ""
             yield f"machine {number}"
@@ -109,28 +107,20 @@ class MachinesText:
                 for each in task.limits
             ),
         )
-        names = [*self.machines[0].machine.lengths]
-        table = Table(
-            ("Rank", self._goal_heading, "Mode pair", *names),
-            tuple(
-                (
-                    str(number),
-                    self._value(ranked),
-                    ranked.machine.good.mode,
-                    *(f"{length:.6g} {task.unit}" for length in ranked.machine.lengths.values()),
-                )
-                for number, ranked in enumerate(self.machines, start=1)
-            ),
-        )
-        active = tuple(
-            Row(f"Active, machine {number}", ", ".join(ranked.active) or "none")
+        ranking = tuple(
+            Row(
+                f"Machine {number}",
+                self._value(ranked),
+                note=f"{ranked.machine.good.mode}; {self._lengths(ranked)}; active: "
+                + (", ".join(ranked.active) or "none"),
+            )
             for number, ranked in enumerate(self.machines, start=1)
         )
         best, *rest = self._best.sections()
         margins = tuple(Row(name, text) for name, text in self._margins(self.machines[0]))
         return [
             Section("Choices", rows=choices),
-            Section("Machines", rows=active, tables=(table,)),
+            Section("Machines", (f"By {task.goal.long_name}, the smallest first.",), ranking),
             Section("The best machine", rows=best.rows),
             *rest,
             Section("Margins of the best machine", rows=margins),
@@ -157,11 +147,6 @@ class MachinesText:
         )
 
     @property
-    def _goal_heading(self) -> str:
-        name = self.task.goal.long_name
-        return name[:1].upper() + name[1:]
-
-    @property
     def _searched(self) -> str:
         task = self.task
         every = set(task.modes) == set(task.mechanism.modes)
@@ -175,10 +160,8 @@ class MachinesText:
         yield Row(self.task.goal.long_name, self._value(ranked))
         yield Row("mode pair", machine.good.mode)
         yield Row("dimensional factor D", f"{machine.factor:.10g} {unit}")
-        yield Row(
-            ", ".join(machine.lengths),
-            ", ".join(f"{length:.10g}" for length in machine.lengths.values()) + f" {unit}",
-        )
+        for name, length in machine.lengths.items():
+            yield Row(name, f"{length:.10g} {unit}")
         position = machine.position
         if position is not None:
             x, y = (0.0 if abs(part) < 1e-7 * machine.factor else part for part in position)
@@ -196,6 +179,12 @@ class MachinesText:
         for name, margin in ranked.margins.items():
             unit = "" if name == "LCI" else " deg" if "θ" in name else f" {self.task.unit}"
             yield name, f"{margin:.4g}{unit}"
+
+    def _lengths(self, ranked: RankedMachine) -> str:
+        return ", ".join(
+            f"{name} = {length:.6g} {self.task.unit}"
+            for name, length in ranked.machine.lengths.items()
+        )
 
     def _value(self, ranked: RankedMachine) -> str:
         return f"{ranked.value:.10g} {self.task.goal.unit(self.task.unit)}"

@@ -24,6 +24,8 @@ REPORTABLE = ("evaluate", "optimum", "size", "square", "design")
 
 #: Parameters of a command that say where its results go, with what they are in a report.
 _OUTPUTS: dict[str, Any] = {"as_json": False, "output": None, "overwrite": False}
+#: Parameters that change nothing of what is reported.
+_UNSAID = ("quiet",)
 _ENDING = "html"
 
 
@@ -141,7 +143,7 @@ def _inputs(context: click.Context, parameters: list[click.Parameter]) -> Iterat
     for each in parameters:
         value = context.params[str(each.name)]
         source = context.get_parameter_source(str(each.name))
-        if source is click.core.ParameterSource.DEFAULT:
+        if source is click.core.ParameterSource.DEFAULT or each.name in _UNSAID:
             continue
         text = _value_text(value, is_repeated=each.multiple)
         if isinstance(each, click.Option):

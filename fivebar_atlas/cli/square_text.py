@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 _PRINTED_RATIO, _PRINTED_SIDE = 1.9721, 1.3142
 # Half a unit of its last digit.
 _PRINTED_ACCURACY = 5e-5
+# Share within which a ratio is the end of a range.
+_END = 1e-7
 # A coordinate in lengths of the actuated link that is nothing but rounding.
 _ROUNDING = 1e-7
 # Share within which the square reaches its side, for the proof.
@@ -257,7 +259,7 @@ class SquareCurveText:
             active = ", ".join(piece.active) or "no square"
             yield f"{piece.start:>14.9f}{piece.end:>14.9f}  {active}"
         yield ""
-        yield "largest, where two pieces meet" if self.curve.is_kink else "largest"
+        yield self._heading
         for row in self._best.rows():
             yield text_line(row.label, row.value, row.error)
         if self._at_printed is not None:
@@ -271,7 +273,7 @@ class SquareCurveText:
                 square = gain.square
                 yield (
                     f"{gain.name:<30}{self.length * square.side:>14.8g}{_percent(gain.gain):>12}"
-                    f"{square.ratio:>12.7g}{square.lengths[2]:>12.7g}  {_remark(gain)}"
+                    f"{square.ratio:>12.5g}{square.lengths[2]:>12.5g}  {_remark(gain)}"
                 )
 
     def sections(self) -> list[Section]:
@@ -298,8 +300,8 @@ class SquareCurveText:
                         gain.name,
                         f"{self.length * gain.square.side:.8g} {self.unit}".rstrip(),
                         _percent(gain.gain),
-                        f"{gain.square.ratio:.7g}",
-                        f"{gain.square.lengths[2]:.7g}",
+                        f"{gain.square.ratio:.5g}",
+                        f"{gain.square.lengths[2]:.5g}",
                         _remark(gain),
                     )
                     for gain in self.gains
@@ -327,6 +329,21 @@ class SquareCurveText:
     def _task(self) -> SquareTask:
         return self.curve.squares[0].task
 
+    @property
+    def _heading(self) -> str:
+        """What kind of a largest value it is."""
+        if self.curve.is_kink:
+            return "largest, where two pieces meet"
+        if self._is_at_end:
+            return "largest, at an end of the range of ratios: beyond it there may be larger ones"
+        return "largest"
+
+    @property
+    def _is_at_end(self) -> bool:
+        ratio = self._best.square.ratio
+        ends = (self.curve.squares[0].ratio, self.curve.squares[-1].ratio)
+        return any(abs(ratio - end) < _END * ratio for end in ends)
+
     @functools.cached_property
     def _best(self) -> SquareText:
         assert self.curve.largest is not None
@@ -349,7 +366,8 @@ class SquareCurveText:
             (round(math.degrees(each.least)), round(math.degrees(each.greatest)))
             for each in task.ranges
         }
-        if not is_example or not ranges <= {(-60, 240)}:
+        covers = self.curve.squares[0].ratio < _PRINTED_RATIO < self.curve.squares[-1].ratio
+        if not is_example or not ranges <= {(-60, 240)} or not covers:
             return None
         return tied_square(task, _PRINTED_RATIO, is_proved=False).side
 
@@ -367,10 +385,12 @@ class SquareCurveText:
         best = self._best.square
         yield Row("printed optimum", f"ρ = {_PRINTED_RATIO}, a/l1 = {_PRINTED_SIDE}")
         yield Row("ours at that ratio", f"a/l1 = {side:.7f}")
-        yield Row("ours at best", f"ρ = {best.ratio:.7f}, a/l1 = {best.side:.7f}")
+        if not self._is_at_end:
+            yield Row("ours at best", f"ρ = {best.ratio:.7f}, a/l1 = {best.side:.7f}")
         verdict = "reproduced" if self._is_reproduced else "not reproduced"
         if best.side > side:
-            verdict += ": larger squares have smaller ratios" if best.ratio < _PRINTED_RATIO else ""
+            where = "smaller" if best.ratio < _PRINTED_RATIO else "larger"
+            verdict += f": there are larger squares at {where} ratios"
         yield Row("verdict", verdict)
 
 
@@ -408,8 +428,8 @@ def task_rows(task: SquareTask) -> Iterator[Row]:
 def _remark(gain: Gain) -> str:
     """Return what tells the square of a gain from others."""
     task, (_, y) = gain.square.task, gain.square.centre
-    aspect = "" if task.aspect == 1.0 else f", width : height {task.aspect:.6g}"
-    return f"{task.mode}, centre at {y:.6g} l1{aspect}"
+    aspect = "" if task.aspect == 1.0 else f", width : height {task.aspect:.4g}"
+    return f"{task.mode}, centre at {y:.4g} l1{aspect}"
 
 
 def _percent(share: float) -> str:

@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 
 from fivebar_atlas.errors import InfeasibleSizeError
-from fivebar_atlas.planar_geometry import FloatArray
 from fivebar_atlas.synthesis.active_constraints import active_constraints
-from fivebar_atlas.synthesis.containment import INSIDE, GoodCondition, prove
+from fivebar_atlas.synthesis.containment import OUTSIDE, UNDECIDED, GoodCondition, prove
 from fivebar_atlas.synthesis.design_polygon import DesignPolygon
 from fivebar_atlas.synthesis.least_lci import least_lci
 from fivebar_atlas.synthesis.machine_polish import MachinePolish, Polished
@@ -30,12 +29,16 @@ from fivebar_atlas.synthesis.sizing import Machine
 
 # Rounds of polishing for all starts.
 _FEW_ROUNDS = 6
+# Machines that are polished beyond those asked for.
+_SPARE = 2
 # Machines whose lengths differ by less than this share of D are one machine.
 _SAME = 0.01
 # Squares of one size that a proof may take: contacts may lie all along a curve.
 _MOST_SQUARES = 4_000_000
 # Lattice steps where it only matters whether there is a machine, and halvings of a threshold.
 _CLOSER, _HALVINGS = 48, 10
+# Threshold that stands for none.
+_LOWEST = 0.01
 # Margins of LCI and inputs, and of lengths as a share, that count as active.
 _ACTIVE = 1e-6
 
@@ -109,10 +112,14 @@ def best_machines(
     for number, each in enumerate(placed, start=1):
         found.append(polish.polish(each, _FEW_ROUNDS))
         said("starts", number, len(placed))
-    found = _distinct(found, count)
-    found = _distinct([polish.polish(each) for each in found], count)
-    ranked = [_verified(task, each) for each in found]
-    return sorted(ranked, key=lambda each: each.value)
+    # some more than are asked for, since some may turn out to be one, or to be around a hole
+    found = _distinct(found, count + _SPARE)
+    found = _distinct([polish.polish(each) for each in found], count + _SPARE)
+    verified = [_verified(task, each) for each in found]
+    ranked = [each for each in verified if each is not None]
+    if not ranked:
+        raise InfeasibleSizeError(_why_none(task))
+    return sorted(ranked, key=lambda each: each.value)[:count]
 
 
 def _distinct(found: Sequence[Polished], count: int) -> list[Polished]:
@@ -128,24 +135,25 @@ def _distinct(found: Sequence[Polished], count: int) -> list[Polished]:
     return kept
 
 
-def _verified(task: MachineTask, placed: Polished) -> RankedMachine:
-    """Return a machine with the proof of its containment, and what limits it."""
+def _verified(task: MachineTask, placed: Polished) -> RankedMachine | None:
+    """Return a machine with the proof of its containment, and what limits it.
+
+    None where a proof finds a point that is not good, in a hole that no sample was in.
+    """
     mechanism = task.mechanism
     design = mechanism.planar_design([*placed.parameters], "")
     good = GoodCondition(design, placed.mode, task.lci_threshold, task.ranges)
-    holes: list[FloatArray] = []
+    # no longer than the limits on lengths allow
+    longest = 1.0 / float(task.scales(placed.parameters[None])[0][0])
     scale = placed.scale
-    while True:
-        search = ScaleSearch(good, task.shape, None, scale, holes)
-        scale = search.largest_scale(placed.centre, scale)
-        for allowance, _ in PATIENCE:
-            factor = (1.0 + allowance) / scale
-            proof = prove(good, task.shape, placed.centre, 1.0 / factor, _MOST_SQUARES)
-            if proof.witness is not None or proof.verdict == INSIDE:
-                break
-        if proof.witness is None:
+    for allowance, _ in PATIENCE:
+        factor = min((1.0 + allowance) / scale, longest)
+        proof = prove(good, task.shape, placed.centre, 1.0 / factor, _MOST_SQUARES)
+        if proof.verdict != UNDECIDED:
             break
-        holes.append(placed.centre + proof.witness / factor)
+    if proof.verdict == OUTSIDE:
+        return None
+    search = ScaleSearch(good, task.shape, None, scale, [])
     points, values = search.worst(placed.centre, scale)
     centre = float(placed.centre[0]), float(placed.centre[1])
     fit = Fit(factor, allowance, centre, points[values < TOUCHING], proof)
@@ -160,6 +168,8 @@ def _verified(task: MachineTask, placed: Polished) -> RankedMachine:
         parts=len(design.good_condition_workspace(task.lci_threshold, good.mode)),
     )
     margins = _margins(task, machine)
+    if margins["LCI"] < -_ACTIVE:
+        return None
     polygon = DesignPolygon.of_space(mechanism, task.space)
     borders = [
         name
@@ -219,26 +229,35 @@ def _margins(task: MachineTask, machine: Machine) -> dict[str, float]:
 
 def _why_none(task: MachineTask) -> str:
     """Return what excludes all machines, and how far each limit alone would have to give."""
-    what = f"no machine for the {task.shape.name_in(task.unit)}"
-    relaxed = {
-        "the actuator ranges": dataclasses.replace(task, ranges=()),
-        "the limits on lengths": dataclasses.replace(task, limits=()),
-        f"the LCI threshold {task.lci_threshold:g}": dataclasses.replace(task, lci_threshold=0.01),
-    }
-    given = {
-        "the actuator ranges": any(each.is_limiting for each in task.ranges),
-        "the limits on lengths": bool(task.limits),
-    }
-    helps = []
-    for name, other in relaxed.items():
-        starts = find_starts(other, resolution=_CLOSER) if given.get(name, True) else []
-        if starts:
-            lengths = starts[0].parameters / starts[0].scale
-            text = ", ".join(
-                f"{parameter.name.upper()} = {length:.4g}"
-                for parameter, length in zip(task.mechanism.parameters, lengths, strict=True)
-            )
-            helps.append(f"without {name} (best with about {text} {task.unit})")
+    what = f"no machine for the {task.shape.name} {task.unit}"
+    relaxed = [
+        (
+            f"{each.name} from {each.least:g} to {each.greatest:g} {task.unit}",
+            dataclasses.replace(
+                task, limits=tuple(other for other in task.limits if other is not each)
+            ),
+        )
+        for each in task.limits
+    ]
+    relaxed += [
+        (
+            str(each),
+            dataclasses.replace(
+                task, ranges=tuple(other for other in task.ranges if other is not each)
+            ),
+        )
+        for each in task.ranges
+        if each.is_limiting
+    ]
+    groups = [
+        ("the limits on lengths", dataclasses.replace(task, limits=())),
+        ("the actuator ranges", dataclasses.replace(task, ranges=())),
+        (
+            f"the LCI threshold {task.lci_threshold:g}",
+            dataclasses.replace(task, lci_threshold=_LOWEST),
+        ),
+    ]
+    helps = _helps(relaxed) or _helps(groups)
     if not helps:
         return f"{what}: none is found without any one of its limits, either"
     text = f"{what} keeps all limits; one is found {' or '.join(helps)}"
@@ -246,6 +265,21 @@ def _why_none(task: MachineTask) -> str:
     if threshold is not None:
         text += f"; with the other limits kept the LCI is at most about {threshold:.3g}"
     return text
+
+
+def _helps(relaxed: Sequence[tuple[str, MachineTask]]) -> list[str]:
+    """Return what can be left out so that there is a machine, and about which one."""
+    helps = []
+    for name, task in relaxed:
+        starts = find_starts(task, resolution=_CLOSER)
+        if starts:
+            lengths = starts[0].parameters / starts[0].scale
+            about = ", ".join(
+                f"{parameter.name.upper()} = {length:.4g}"
+                for parameter, length in zip(task.mechanism.parameters, lengths, strict=True)
+            )
+            helps.append(f"without {name} (best with about {about} {task.unit})")
+    return helps
 
 
 def _largest_threshold(task: MachineTask) -> float | None:

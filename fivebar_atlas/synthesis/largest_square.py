@@ -34,10 +34,10 @@ HALVES = (UPPER, LOWER)
 #: Name of the constraint that the square lies in the maximal inscribed circle.
 IN_CIRCLE = "maximal inscribed circle"
 
-# Margins up to this hold with equality.
-_ACTIVE = 1e-10
-# The same where the centre comes from a search that keeps a small margin.
-_CLOSE = 1e-7
+#: Margins up to this hold with equality.
+ACTIVE = 1e-10
+#: The same where a design or a centre is known to no more than that.
+CLOSE = 1e-7
 # Chords of an outline whose extent is all that matters may leave it by so much.
 _ANY_DEVIATION = 1e-3
 # Positions of a scan of the axis, and local maxima among them that are closed in on.
@@ -159,7 +159,12 @@ def unit_design(mechanism: Mechanism, lengths: tuple[float, ...]) -> tuple[Plana
     return mechanism.planar_design(lengths, ""), mechanism.from_lengths(lengths)[1]
 
 
-def largest_square(task: SquareTask, lengths: tuple[float, ...], is_proved: bool = True) -> Square:
+def largest_square(
+    task: SquareTask,
+    lengths: tuple[float, ...],
+    is_proved: bool = True,
+    tolerance: float = ACTIVE,
+) -> Square:
     """Return the largest square of a machine.
 
     Parameters
@@ -170,6 +175,8 @@ def largest_square(task: SquareTask, lengths: tuple[float, ...], is_proved: bool
         Lengths of the machine, the first one 1.
     is_proved
         Whether it is proved that all of it is good.
+    tolerance
+        Margins up to this count as none, for active constraints and contacts.
 
     Returns
     -------
@@ -195,10 +202,10 @@ def largest_square(task: SquareTask, lengths: tuple[float, ...], is_proved: bool
         touch = largest_at(good, shape, centre, limit, is_proved)
     else:
         return Square(task, lengths, 0.0, (math.nan, math.nan), None, (), (), None)
-    active = active_constraints(good, shape, centre, touch.scale, touch.contacts, _ACTIVE)
+    square = _square(task, lengths, good, factor, centre, scaled, touch, tolerance)
     if touch.scale == limit:
-        active = (IN_CIRCLE, *active)
-    return _square(task, lengths, factor, centre, scaled, touch, active)
+        return dataclasses.replace(square, active=(IN_CIRCLE, *square.active))
+    return square
 
 
 def square_at(
@@ -229,28 +236,33 @@ def square_at(
     touch = largest_at(good, task.shape, centre, scale)
     circle = _circle(good.design, task)
     scaled = None if circle is None else circle.scaled(factor)
-    active = active_constraints(good, task.shape, centre, touch.scale, touch.contacts, _CLOSE)
-    return _square(task, lengths, factor, centre, scaled, touch, active)
+    return _square(task, lengths, good, factor, centre, scaled, touch, CLOSE)
 
 
 def _square(
     task: SquareTask,
     lengths: tuple[float, ...],
+    good: GoodCondition,
     factor: float,
     centre: FloatArray,
     circle: CircleArc | None,
     touch: Touch,
-    active: tuple[str, ...],
+    tolerance: float,
 ) -> Square:
-    """Return a square from what is known of it in the non-dimensional design."""
-    points = factor * (centre + touch.scale * touch.contacts)
+    """Return a square from what is known of it in the non-dimensional design.
+
+    Contacts are points whose margin is within a tolerance of zero.
+    """
+    margins = good.margins(centre + touch.scale * touch.contacts)
+    contacts = touch.contacts[margins <= tolerance]
+    points = factor * (centre + touch.scale * contacts)
     return Square(
         task=task,
         lengths=lengths,
         side=factor * touch.scale,
         centre=(factor * float(centre[0]), factor * float(centre[1])),
         circle=circle,
-        active=active,
+        active=active_constraints(good, task.shape, centre, touch.scale, contacts, tolerance),
         contacts=tuple((float(x), float(y)) for x, y in points),
         proof=touch.proof,
     )

@@ -34,6 +34,8 @@ _EXCHANGES, _MET = 6, 1e-7
 _CONTACT, _MOST_CONTACTS = 0.1, 80
 # A scale below this share of what was expected is not worth finding; a margin that is rounding.
 _COLLAPSE, _ROUNDING = 0.5, 2e-14
+# By which share limits on lengths may be missed by rounding.
+_ROUNDED = 1e-9
 # Margin that is asked for at contacts, so that what is between them is good, too.
 _MARGIN = 1e-9
 # Shares of the scale of a start, which was found on samples, that are tried.
@@ -127,10 +129,34 @@ class MachinePolish:
         """Return a start whose shape is good throughout; None where none is about that large."""
         point = self._moved(self._task.mechanism.project(start.parameters[None])[0])
         for share in _FIRST_SCALES:
-            now = self._evaluated(start.mode, point, start.centre, share * start.scale)
+            design, scale = self._within_limits(point, share * start.scale)
+            now = self._evaluated(start.mode, design, start.centre, scale)
             if now is not None:
                 return now
         return None
+
+    def _within_limits(self, point: FloatArray, scale: float) -> tuple[FloatArray, float]:
+        """Return the nearest design and scale whose lengths keep to the limits."""
+        from scipy.optimize import minimize
+
+        size = self._task.size
+        start = np.array([*point, scale * size])
+        linear, offsets = self._linear(3, 2)
+        if not self._limits or np.all(linear @ start >= offsets):
+            return point, scale
+        found = minimize(
+            lambda variables: float(np.sum((variables - start) ** 2)),
+            start,
+            jac=lambda variables: 2.0 * (variables - start),
+            constraints={
+                "type": "ineq",
+                "fun": lambda variables: linear @ variables - offsets,
+                "jac": lambda variables: linear,  # noqa: ARG005
+            },
+            method="SLSQP",
+            options={"ftol": 1e-16},
+        ).x
+        return self._moved(found[:2]), float(found[2]) / size
 
     def polish(self, now: Polished, rounds: int = _ROUNDS) -> Polished:
         """Return the local optimum near a placement, or how far so many rounds have come."""
@@ -200,6 +226,7 @@ class MachinePolish:
         task = self._task
         parameters = self._parameters(point)
         least, greatest = (float(each[0]) for each in task.scales(parameters[None]))
+        least *= 1.0 - _ROUNDED
         wanted = scale if task.goal.extremes else _GROWTH * scale
         limit = min(wanted, greatest)
         if limit < least:
@@ -248,7 +275,9 @@ class MachinePolish:
         found = []
         for row, number in enumerate(goal.bounded):
             function = functools.partial(_row, functions, row)
-            tops, values = boundary.close_in(function, peaks(on_boundary[row])[:_PEAKS])
+            # where a leg does not reach nothing is known
+            known = np.nan_to_num(on_boundary[row], nan=-np.inf)
+            tops, values = boundary.close_in(function, peaks(known)[:_PEAKS])
             points, greatest = boundary.at(tops), float(values.max())
             if len(self._interior) and inside[row].max() > greatest:
                 place = int(np.argmax(inside[row]))

@@ -33,6 +33,9 @@ _BOUNDARY, _INTERIOR = 40, 150
 _SHRINKING = (1.0, 0.85, 0.7, 0.5)
 # Least scale as a share of the largest that could be.
 _LEAST_SCALE = 1e-4
+# Share by which limits on lengths may be missed on the lattice: no design of it may have just
+# the lengths that are asked for.
+_SLACK = 0.04
 # Designs of one task.
 _BLOCK = 256
 # Starts, how far they are apart in the chart, and how much worse than the best one.
@@ -107,10 +110,11 @@ class MachineTask:
         lower, upper = self.shape.extent
         return 0.5 * float((upper - lower).max())
 
-    def scales(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def scales(self, designs: FloatArray, slack: float = 0.0) -> tuple[FloatArray, FloatArray]:
         """Return the least and the greatest scale that designs, shape (n, parameters), may have.
 
-        A machine has the dimensional factor D = 1/scale, and lengths times D keep to the limits.
+        A machine has the dimensional factor D = 1/scale, and lengths times D keep to the limits,
+        or miss them by no more than a share of slack.
         """
         # whatever the mechanism, all links together are no longer than 3 and reach both ways
         cap = 3.0 / self.size
@@ -120,9 +124,9 @@ class MachineTask:
         for limit in self.limits:
             lengths = designs[:, names.index(limit.name.lower())]
             if math.isfinite(limit.greatest):
-                least = np.maximum(least, lengths / limit.greatest)
+                least = np.maximum(least, lengths / limit.greatest / (1.0 + slack))
             if limit.least > 0.0:
-                greatest = np.minimum(greatest, lengths / limit.least)
+                greatest = np.minimum(greatest, lengths / limit.least * (1.0 + slack))
         return least, greatest
 
 
@@ -219,7 +223,7 @@ def _anchors(placement: str) -> FloatArray:
 
 def _evaluate(task: MachineTask, designs: FloatArray, scan: PlacementScan) -> list[Start]:
     """Return the placements of a block of designs in one mode pair."""
-    least, greatest = task.scales(designs)
+    least, greatest = task.scales(designs, _SLACK)
     found = task.mechanism.scan_placements(designs, least, greatest, scan)
     shrinking = _SHRINKING if task.goal.extremes else _SHRINKING[:1]
     starts = []

@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.synthesis.largest_square import Square, SquareTask, largest_square
+from fivebar_atlas.synthesis.largest_square import ACTIVE, CLOSE, Square, SquareTask, largest_square
 
 # Width of the bracket of a kink, halvings at most, and the narrowest piece that is looked for.
 _BRACKET, _HALVINGS, _NARROWEST = 1e-10, 60, 1e-6
@@ -114,25 +114,17 @@ def square_curve(
     pieces = _pieces(at, squares)
     largest, is_kink = _largest(at, squares, pieces)
     if largest is not None:
-        largest = tied_square(task, largest.ratio)
-    if largest is not None and is_kink:
-        largest = dataclasses.replace(largest, active=_active_at_kink(pieces, largest.ratio))
+        # next to a kink the constraints of both sides are met but for rounding
+        largest = tied_square(task, largest.ratio, tolerance=CLOSE if is_kink else ACTIVE)
     return SquareCurve(tuple(squares), pieces, largest, is_kink)
 
 
-def _active_at_kink(pieces: Sequence[Piece], ratio: float) -> tuple[str, ...]:
-    """Return the constraints on both sides of the kink next to a ratio.
-
-    At a kink that is known to rounding only those of one side are met to rounding.
-    """
-    left, right = min(itertools.pairwise(pieces), key=lambda pair: abs(pair[0].end - ratio))
-    return tuple(dict.fromkeys((*left.active, *right.active)))
-
-
-def tied_square(task: SquareTask, ratio: float, is_proved: bool = True) -> Square:
+def tied_square(
+    task: SquareTask, ratio: float, is_proved: bool = True, tolerance: float = ACTIVE
+) -> Square:
     """Return the largest square where l0 follows from the ratio of links by Eq. 21."""
     lengths = task.mechanism.optimal_configuration(ratio).lengths
-    return largest_square(task, lengths, is_proved)
+    return largest_square(task, lengths, is_proved, tolerance)
 
 
 def _pieces(at: Callable[[float], Square], squares: Sequence[Square]) -> tuple[Piece, ...]:

@@ -34,8 +34,9 @@ from fivebar_atlas.synthesis.square_curve import SquareCurve, tied_square
 
 #: Number of cases.
 CASES = 6
-# Ratios of links, and of l0 to l2, of a coarse search with l0 free, and its accuracy.
-_RATIOS, _BASES, _ACCURACY = 18, 13, 1e-8
+# Ratios of links, and of l0 to l2, of a coarse search with l0 free; accuracy of a search for one
+# number, and of that for another number around it.
+_RATIOS, _BASES, _ACCURACY, _OUTER_ACCURACY = 14, 13, 1e-8, 1e-6
 # Logarithm of the largest ratio of sides of a rectangle, and number of aspects tried.
 _ASPECT, _ASPECTS = math.log(3.0), 9
 # Best starts on a curve.
@@ -200,7 +201,7 @@ def _free_base(task: SquareTask) -> Square | None:
         return _best_between(side, ratios)
 
     shares = [float(each) for each in np.linspace(0.0, 0.9, _BASES)]
-    share, value = _best_between(lambda share: best_ratio(share)[1], shares)
+    share, value = _best_between(lambda share: best_ratio(share)[1], shares, _OUTER_ACCURACY)
     if value == 0.0:
         return None
     ratio, _ = best_ratio(share)
@@ -210,13 +211,14 @@ def _free_base(task: SquareTask) -> Square | None:
 def _free_aspect(task: SquareTask, curve: SquareCurve) -> Square | None:
     """Return the largest rectangle of any aspect, by its area, with l0 tied."""
     ratios = [square.ratio for square in curve.squares]
+    ratios = [*ratios[:: max(len(ratios) // _RATIOS, 1)], ratios[-1]]
 
     def best_ratio(aspect: float) -> tuple[float, float]:
         other = dataclasses.replace(task, aspect=math.exp(aspect))
         return _best_between(functools.partial(_tied_side, other), ratios)
 
     aspects = [float(each) for each in np.linspace(-_ASPECT, _ASPECT, _ASPECTS)]
-    aspect, value = _best_between(lambda aspect: best_ratio(aspect)[1], aspects)
+    aspect, value = _best_between(lambda aspect: best_ratio(aspect)[1], aspects, _OUTER_ACCURACY)
     if value == 0.0:
         return None
     ratio, _ = best_ratio(aspect)
@@ -224,7 +226,7 @@ def _free_aspect(task: SquareTask, curve: SquareCurve) -> Square | None:
 
 
 def _best_between(
-    function: Callable[[float], float], places: Sequence[float]
+    function: Callable[[float], float], places: Sequence[float], accuracy: float = _ACCURACY
 ) -> tuple[float, float]:
     """Return where a function is largest next to its largest sample, and the value there."""
     from scipy.optimize import minimize_scalar
@@ -237,7 +239,7 @@ def _best_between(
         lambda place: -function(float(place)),
         bounds=(places[max(top - 1, 0)], places[min(top + 1, len(places) - 1)]),
         method="bounded",
-        options={"xatol": _ACCURACY},
+        options={"xatol": accuracy},
     )
     if -found.fun > values[top]:
         return float(found.x), float(-found.fun)
