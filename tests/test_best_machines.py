@@ -203,7 +203,7 @@ def test_the_same_task_gives_the_same_machines(smallest: list[RankedMachine]) ->
 
 
 def test_what_excludes_all_machines_is_named() -> None:
-    with pytest.raises(InfeasibleSizeError, match="one is found without the limits on lengths"):
+    with pytest.raises(InfeasibleSizeError, match="one is found without R1 from 0 to 20 mm"):
         best_machines(task(limits=(LinkLimit("R1", 0.0, 20.0),)))
     ranges = (
         ActuatorRange(1, 0.0, math.radians(2.0)),

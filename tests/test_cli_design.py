@@ -91,8 +91,40 @@ def test_what_is_infeasible_is_explained(refused: Callable[..., str], tmp_path: 
         "design", "--rectangle", "300x200", "--link-range", "R1", "0", "20", "-q", "-o", file,
         code=1,
     )  # fmt: skip
-    assert "one is found without the limits on lengths (best with about R1 = " in said
+    assert "one is found without R1 from 0 to 20 mm (best with about R1 = " in said
     assert not file.exists()
+
+
+def test_length_that_are_bought_are_kept(atlas: Command) -> None:
+    outcome = atlas(
+        "design", "--circle", "200", "--link-range", "R3", "150", "150", "--link-range", "R2",
+        "400", "400", "--mode", "+-/up", "--count", "1", "--json", "-q",
+    )  # fmt: skip
+    assert outcome.code == 0, outcome.err
+    (machine,) = json.loads(outcome.out)["machines"]
+    assert machine["R2"] == pytest.approx(400.0, rel=1e-9)
+    assert machine["R3"] == pytest.approx(150.0, rel=1e-9)
+    # not worse than a machine of these lengths that is known to do
+    assert machine["value"] <= 2.0 * (120.0 + 400.0)
+    sized = atlas("size", "120", "400", "150", "--circle", "200", "--json")
+    assert json.loads(sized.out)["dimensional_factor"] <= 670.0 / 3.0
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("--rectangle", "300x200", "--lci", "0.2"),
+        ("--circle", "150", "--actuator-range", "2", "170", "215", "--minimise", "footprint"),
+    ],
+)
+def test_low_thresholds_and_ranges_across_half_a_turn(
+    arguments: tuple[str, ...], atlas: Command
+) -> None:
+    outcome = atlas("design", *arguments, "--mode", "+-/up", "--count", "1", "--json", "-q")
+    assert outcome.code == 0, outcome.err
+    (machine,) = json.loads(outcome.out)["machines"]
+    assert machine["shape"]["is_proved"]
+    assert all(margin >= -1e-9 for margin in machine["margins"].values())
 
 
 def test_an_output_is_not_replaced(refused: Callable[..., str], tmp_path: Path) -> None:

@@ -192,3 +192,16 @@ def test_full_standard_output_is_one_line(tmp_path: Path) -> None:
         )
     assert done.returncode == 1
     assert done.stderr == "atlas: error: standard output: No space left on device\n"
+
+
+def test_a_process_without_standard_output_ends_in_order() -> None:
+    """Whoever closes standard output gets no traceback."""
+    script = "from fivebar_atlas.cli import main; main(['evaluate', '26', '30', '16'])"
+    process = subprocess.run(
+        ["sh", "-c", '"$0" -c "$1" >&-', sys.executable, script],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in process.stderr
+    assert process.returncode in (0, 1)
