@@ -152,15 +152,7 @@ def design(
     with _progress(quiet) as said:
         machines = best_machines(task, count, said)
     text = MachinesText(task, machines, resolution, force)
-    run = Run(
-        title=text.title,
-        summary=text.summary,
-        document=text.document,
-        lines=text.lines,
-        sections=text.sections,
-        figures=text.figures,
-    )
-    present(run, as_json, output, overwrite)
+    present(Run.of(text), as_json, output, overwrite)
 
 
 @contextlib.contextmanager

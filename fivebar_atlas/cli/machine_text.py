@@ -6,7 +6,7 @@ import dataclasses
 import math
 import shlex
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fivebar_atlas.cli.design_figures import lci_map, linkage, workspace
 from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table, capitalised, titled
@@ -68,6 +68,10 @@ class MachineText:
             f"With {lengths} {least} in the whole of it, in the mode pair {good.mode}. "
             "It is the smallest such machine of these proportions."
         )
+
+    def document(self) -> dict[str, Any]:
+        """Return everything as nested dictionaries, ready for JSON."""
+        return self.machine.document(self.resolution, self.force)
 
     def lines(self) -> Iterator[str]:
         """Yield the lines of a readable report."""

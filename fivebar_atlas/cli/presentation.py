@@ -10,7 +10,7 @@ import dataclasses
 import json
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import click
 
@@ -46,6 +46,19 @@ class Captioned:
     draw: Callable[[], Any]
 
 
+class Written(Protocol):
+    """A result as it is written down, in every way that a run is presented."""
+
+    @property
+    def title(self) -> str: ...
+    @property
+    def summary(self) -> str: ...
+    def document(self) -> dict[str, Any]: ...
+    def lines(self) -> Iterable[str]: ...
+    def sections(self) -> Sequence[Section]: ...
+    def figures(self) -> Sequence[Captioned]: ...
+
+
 @dataclasses.dataclass(frozen=True, slots=True)
 class Run:
     """What a command has computed, and every way to present it.
@@ -73,6 +86,18 @@ class Run:
     lines: Callable[[], Iterable[str]]
     sections: Callable[[], Sequence[Section]]
     figures: Callable[[], Sequence[Captioned]] = tuple
+
+    @classmethod
+    def of(cls, text: Written) -> Run:
+        """Return the run of a result that is written down."""
+        return cls(
+            title=text.title,
+            summary=text.summary,
+            document=text.document,
+            lines=text.lines,
+            sections=text.sections,
+            figures=text.figures,
+        )
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

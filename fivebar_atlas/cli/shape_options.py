@@ -58,16 +58,17 @@ load_options = together(
         help="Force on the output point in newtons: reports the worst joint torque.",
     ),
 )
+actuator_range_option = click.option(
+    "--actuator-range",
+    "actuator_ranges",
+    nargs=3,
+    type=(int, float, float),
+    multiple=True,
+    metavar="I MIN MAX",
+    help="Range of θI in degrees; repeatable.",
+)
 limit_options = together(
-    click.option(
-        "--actuator-range",
-        "actuator_ranges",
-        nargs=3,
-        type=(int, float, float),
-        multiple=True,
-        metavar="I MIN MAX",
-        help="Range of θI in degrees; repeatable.",
-    ),
+    actuator_range_option,
     click.option(
         "--link-range",
         "link_ranges",

@@ -152,12 +152,4 @@ def size(
             )
     resolution = None if encoder_resolution is None else math.radians(encoder_resolution)
     text = MachineText(machine, resolution, force, digits)
-    run = Run(
-        title=text.title,
-        summary=text.summary,
-        document=lambda: machine.document(resolution, force),
-        lines=text.lines,
-        sections=text.sections,
-        figures=text.figures,
-    )
-    present(run, as_json, output, overwrite)
+    present(Run.of(text), as_json, output, overwrite)

@@ -126,15 +126,7 @@ def square(
         shown = SquareText(one, length, unit)
     if ending == "csv" and isinstance(shown, SquareCurveText):
         _write_table(shown.table(), output, overwrite)
-    run = Run(
-        title=shown.title,
-        summary=shown.summary,
-        document=shown.document,
-        lines=shown.lines,
-        sections=shown.sections,
-        figures=shown.figures,
-    )
-    present(run, as_json, output if ending == "json" else None, overwrite)
+    present(Run.of(shown), as_json, output if ending == "json" else None, overwrite)
 
 
 def _gains(task: SquareTask, curve: SquareCurve, quiet: bool) -> list[Gain]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from fivebar_atlas.cli import options
+from fivebar_atlas.cli.shape_options import actuator_range_option, limits_given
 from fivebar_atlas.errors import InputError
 
 if TYPE_CHECKING:
@@ -53,15 +54,7 @@ def square_options(command: Function) -> Function:
             metavar="upper|lower",
             help="On which side of the base the centre is.",
         ),
-        click.option(
-            "--actuator-range",
-            "actuator_ranges",
-            nargs=3,
-            type=(int, float, float),
-            multiple=True,
-            metavar="I MIN MAX",
-            help="Range of θI in degrees; repeatable.",
-        ),
+        actuator_range_option,
         click.option(
             "--lci",
             type=float,
@@ -110,7 +103,6 @@ def square_task(
         If one of them is out of range.
     """
     from fivebar_atlas import mechanisms
-    from fivebar_atlas.synthesis.containment import ActuatorRange
     from fivebar_atlas.synthesis.largest_square import SquareTask
 
     chosen = mechanisms.get(mechanism or mechanisms.names()[0])
@@ -119,10 +111,7 @@ def square_task(
         mechanism=chosen,
         mode=chosen.modes[0] if mode is None else chosen.parse_mode(mode),
         lci_threshold=lci,
-        ranges=tuple(
-            ActuatorRange(number, math.radians(least), math.radians(greatest))
-            for number, least, greatest in actuator_ranges
-        ),
+        ranges=tuple(limits_given(actuator_ranges, ())[0]),
         aspect=1.0 if aspect is None else parse_aspect(aspect),
         centre=centre,
         half=half,

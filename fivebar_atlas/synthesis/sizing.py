@@ -24,7 +24,8 @@ from fivebar_atlas.mechanisms.base import (
     Results,
     SweepSettings,
 )
-from fivebar_atlas.mechanisms.planar import PlanarDesign, ScaledDesign
+from fivebar_atlas.mechanisms.planar import PlanarDesign
+from fivebar_atlas.mechanisms.scaled_design import ScaledDesign
 from fivebar_atlas.planar_geometry import Point, Region
 from fivebar_atlas.synthesis.containment import (
     INSIDE,

@@ -287,7 +287,7 @@ class FiveBarMechanism(Mechanism):
     def planar_design(self, lengths: Sequence[float], unit: str | None = None) -> PlanarDesign:
         """Return one design for figures and files of its geometry."""
         from fivebar_atlas.mechanisms.five_bar.five_bar import FiveBar
-        from fivebar_atlas.mechanisms.planar import ScaledDesign
+        from fivebar_atlas.mechanisms.scaled_design import ScaledDesign
 
         self.check_count(lengths)
         robot = FiveBar.from_lengths(*lengths)
