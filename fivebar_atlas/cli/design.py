@@ -17,6 +17,7 @@ from fivebar_atlas.cli.shape_options import (
     DEFAULT_LCI,
     Units,
     check_loads,
+    limit_names,
     limit_options,
     limits_given,
     load_options,
@@ -136,18 +137,19 @@ def design(
     ranges, limits = limits_given(actuator_ranges, link_ranges)
     units = Units(unit)
     shape = practical_shape(rectangle, circle, polygon, clearance, units)
-    task = MachineTask(
-        mechanism=chosen,
-        shape=shape,
-        goal=goal,
-        modes=modes,
-        lci_threshold=threshold,
-        placement=FREE if free else ON_AXIS,
-        ranges=tuple(ranges),
-        limits=tuple(limits),
-        unit=units.unit,
-        space=space or "",
-    )
+    with options.as_typed(limit_names(link_ranges)):
+        task = MachineTask(
+            mechanism=chosen,
+            shape=shape,
+            goal=goal,
+            modes=modes,
+            lci_threshold=threshold,
+            placement=FREE if free else ON_AXIS,
+            ranges=tuple(ranges),
+            limits=tuple(limits),
+            unit=units.unit,
+            space=space or "",
+        )
     note_compilation()
     with _progress(quiet) as said:
         machines = best_machines(task, count, said)

@@ -111,7 +111,9 @@ def square(
         with Progress(len(ratios), quiet=quiet, things="ratios") as bar:
             curve = square_curve(task, ratios, lambda done, total: bar.advance(1))  # noqa: ARG005
         if curve.largest is None:
-            raise InfeasibleSizeError(why_none(curve.squares[len(curve.squares) // 2]))
+            some = curve.squares[len(curve.squares) // 2]
+            where = f"for no ratio from {ratios[0]:g} to {ratios[-1]:g}; at ρ = {some.ratio:g}"
+            raise InfeasibleSizeError(f"{where} {why_none(some)}")
         found = _gains(task, curve, quiet) if gains else []
         shown: SquareText | SquareCurveText = SquareCurveText(curve, found, length, unit)
     else:

@@ -18,6 +18,11 @@ if TYPE_CHECKING:
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+# Inputs of a task, which are named as options where they are refused.
+_NAMES = ("actuator range", "mode", "centre", "half")
+# Largest ratio of the sides of a rectangle.
+_MOST_ASPECT = 1e3
+
 #: Range of the ratio of links; :func:`parse_ratios` takes its text.
 ratio_range_option = click.option(
     "--rho",
@@ -107,15 +112,17 @@ def square_task(
 
     chosen = mechanisms.get(mechanism or mechanisms.names()[0])
     chosen.check_thresholds([lci], "--lci")
-    return SquareTask(
-        mechanism=chosen,
-        mode=chosen.modes[0] if mode is None else chosen.parse_mode(mode),
-        lci_threshold=lci,
-        ranges=tuple(limits_given(actuator_ranges, ())[0]),
-        aspect=1.0 if aspect is None else parse_aspect(aspect),
-        centre=centre,
-        half=half,
-    )
+    names = {name: (f"--{name.replace(' ', '-')}", None) for name in _NAMES}
+    with options.as_typed(names):
+        return SquareTask(
+            mechanism=chosen,
+            mode=chosen.modes[0] if mode is None else chosen.parse_mode(mode),
+            lci_threshold=lci,
+            ranges=tuple(limits_given(actuator_ranges, ())[0]),
+            aspect=1.0 if aspect is None else parse_aspect(aspect),
+            centre=centre,
+            half=half,
+        )
 
 
 def parse_aspect(text: str) -> float:
@@ -126,9 +133,11 @@ def parse_aspect(text: str) -> float:
     InputError
         If the text is not two numbers above 0.
     """
-    allowed = "width and height above 0 such as 2:1"
+    allowed = f"width and height such as 2:1, neither more than {_MOST_ASPECT:g} times the other"
     width, height = _numbers("--aspect", text, 2, allowed)
     if not (0.0 < width < math.inf and 0.0 < height < math.inf):
+        raise InputError("--aspect", text, allowed)
+    if not width / _MOST_ASPECT <= height <= width * _MOST_ASPECT:
         raise InputError("--aspect", text, allowed)
     return width / height
 

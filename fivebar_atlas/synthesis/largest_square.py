@@ -284,7 +284,7 @@ def why_none(square: Square) -> str:
     lci = float(design.lci_inside(x, y, task.mode)[0])
     reasons = []
     if lci < task.lci_threshold:
-        reasons.append(f"the LCI is {lci:.6g} there and {task.lci_threshold:g} is asked for")
+        reasons.append(f"the LCI is {lci:.6g} there and {task.lci_threshold:.12g} is asked for")
     inputs = design.inputs(x, y, task.mode)[0]
     for each in good.ranges:
         room = float(each.margins(inputs[each.number - 1 : each.number])[0])

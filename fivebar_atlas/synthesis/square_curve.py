@@ -19,7 +19,7 @@ from fivebar_atlas.synthesis.largest_square import ACTIVE, CLOSE, Square, Square
 _BRACKET, _HALVINGS, _NARROWEST = 1e-10, 60, 1e-6
 # Accuracy of a largest value within a piece, in ρ.
 _ACCURACY = 1e-9
-_MOST_RATIOS = 10_000
+_MOST_RATIOS, _LARGEST_RATIO = 10_000, 1e6
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -75,8 +75,9 @@ def ratios_between(least: float, greatest: float, step: float) -> list[float]:
             raise InputError("ρ", value, "a finite number")
     if least < 1.0:
         raise InputError("ρ", least, "ratios l2/l1 of at least 1, for l0 = (l2 - l1)/√2")
-    if not least < greatest:
-        raise InputError("ρ", (least, greatest), "a least ratio below the greatest")
+    if not least < greatest <= _LARGEST_RATIO:
+        allowed = f"a least ratio below the greatest, and this at most {_LARGEST_RATIO:g}"
+        raise InputError("ρ", (least, greatest), allowed)
     if not step > 0.0:
         raise InputError("step of ρ", step, "a number above 0")
     count = math.floor((greatest - least) / step * (1.0 + 1e-12))

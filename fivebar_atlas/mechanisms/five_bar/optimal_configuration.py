@@ -15,6 +15,8 @@ from fivebar_atlas.mechanisms.planar import OptimalConfiguration
 
 #: The mode pair that the configuration belongs to: elbows outward, above the base.
 MODE = "+-/up"
+#: Ratio of links beyond which one of them is nothing beside the others.
+LARGEST_RATIO = 1e6
 
 
 def optimal_configuration(ratio: float) -> OptimalConfiguration:
@@ -28,10 +30,13 @@ def optimal_configuration(ratio: float) -> OptimalConfiguration:
     Raises
     ------
     InputError
-        If the ratio is below 1 or not finite.
+        If the ratio is below 1, above 1e6, or not a number.
     """
-    if not (math.isfinite(ratio) and ratio >= 1.0):
-        raise InputError("ρ", ratio, "a ratio l2/l1 of at least 1, for l0 = (l2 - l1)/√2")
+    if not 1.0 <= ratio <= LARGEST_RATIO:
+        allowed = (
+            f"a ratio l2/l1 of at least 1, for l0 = (l2 - l1)/√2, and at most {LARGEST_RATIO:g}"
+        )
+        raise InputError("ρ", ratio, allowed)
     return OptimalConfiguration(
         lengths=(1.0, ratio, math.sqrt(0.5) * (ratio - 1.0)),
         output=(0.0, math.sqrt(0.5) * (ratio + 1.0)),
