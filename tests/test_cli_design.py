@@ -95,7 +95,7 @@ def test_what_is_infeasible_is_explained(refused: Callable[..., str], tmp_path: 
     assert not file.exists()
 
 
-def test_length_that_are_bought_are_kept(atlas: Command) -> None:
+def test_lengths_that_are_bought_are_kept(atlas: Command) -> None:
     outcome = atlas(
         "design", "--circle", "200", "--link-range", "R3", "150", "150", "--link-range", "R2",
         "400", "400", "--mode", "+-/up", "--count", "1", "--json", "-q",
