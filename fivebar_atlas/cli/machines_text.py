@@ -72,10 +72,7 @@ class MachinesText:
     def lines(self) -> Iterator[str]:
         """Yield the lines of a readable report: all machines, then the best one whole."""
         task = self.task
-        clear = (
-            f" and {task.shape.clearance:g} {task.unit} around it" if task.shape.clearance else ""
-        )
-        yield text_line("practical workspace", f"{task.shape.name_in(task.unit)}{clear}")
+        yield text_line("practical workspace", self._workspace)
         yield text_line("minimised", f"{task.goal.long_name}")
         yield text_line("searched", self._searched)
         count = len(self.machines)
@@ -133,6 +130,13 @@ class MachinesText:
     @property
     def _best(self) -> MachineText:
         return MachineText(self.machines[0].machine, self.resolution, self.force)
+
+    @property
+    def _workspace(self) -> str:
+        """The practical workspace, and what is kept clear around it."""
+        shape, unit = self.task.shape, self.task.unit
+        clear = f" and {shape.clearance:g} {unit} around it" if shape.clearance else ""
+        return f"{shape.name_in(unit)}{clear}"
 
     @property
     def _note(self) -> str:
