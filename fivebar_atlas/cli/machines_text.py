@@ -94,7 +94,7 @@ class MachinesText:
         task = self.task
         choices = (
             Row("Mechanism", task.mechanism.title, note=task.mechanism.source),
-            Row("Practical workspace", f"{task.shape.name_in(task.unit)}"),
+            Row("Practical workspace", self._workspace),
             Row("LCI threshold", f"{task.lci_threshold:g}", note="reached in the whole workspace"),
             Row("Minimised", task.goal.long_name),
             Row("Searched", self._searched),
