@@ -78,7 +78,7 @@ def integrate_workspace(
     w: Integrals, r: float, l_a: float, l_b: float, theta_limit: float,
     elbow1: float, elbow2: float, sign: float, conditions: int, thresholds: FloatArray,
     tolerance: float, has_indices: bool,
-) -> tuple[int, bool, bool]:  # fmt: skip
+) -> tuple[int, bool]:  # fmt: skip
     """Find the largest part of the workspace and integrate over it.
 
     Parameters
@@ -98,8 +98,6 @@ def integrate_workspace(
     -------
     state : int
         -1: empty, 0: done, 1: tolerance not reached.
-    is_mirrored : bool
-        Whether the part is symmetric, so that its mirror image has the same largest LCI.
     has_forward : bool
         Whether a forward singularity bounds it, so that the manipulability is unbounded.
     """
@@ -116,7 +114,7 @@ def integrate_workspace(
         if part < 0:
             w.total[:] = 0.0
             w.total_error[:] = 0.0
-            return -1, False, False
+            return -1, False
         state = integrate_part(
             w, part if conditions != 0 else -1, r, l_a, l_b, elbow1, elbow2, sign, conditions,
             thresholds, tolerance, has_indices, not has_forward,
@@ -130,7 +128,7 @@ def integrate_workspace(
     for k in range(len(w.total)):
         w.total[k] *= copies
         w.total_error[k] = copies * w.total_error[k] + _ROUNDING * abs(w.total[k])
-    return min(state, 1), is_mirrored, has_forward
+    return min(state, 1), has_forward
 
 
 @kernel
@@ -181,13 +179,13 @@ def evaluate_design(
         return
     status = 0
     usable = ONE_SIGN | PASSIVE_JOINTS if has_limits else ONE_SIGN
-    is_mirrored, has_forward = False, False
+    has_forward = False
     for stage in range(3):
         # all that is reached, then free of singularities, then within all limits
         if stage == 1 and not has_limits:
             continue
         conditions = 0 if stage == 0 else (ONE_SIGN if stage == 1 else usable)
-        state, is_mirrored, has_forward = integrate_workspace(
+        state, has_forward = integrate_workspace(
             w, r, l_a, l_b, theta_limit, elbow1, elbow2, sign, conditions, thresholds,
             tolerance, stage == 2,
         )  # fmt: skip
