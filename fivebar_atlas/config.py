@@ -288,7 +288,7 @@ def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Config
     mechanism.check_resolution(resolution, name)
 
     space, name = pick("space", overrides.space, sweep.space, mechanism.spaces[0])
-    mechanism.check_space(space, name)
+    space = mechanism.parse_space(space, name)
 
     texts, name = pick("mode", overrides.mode, sweep.mode, mechanism.modes[:1])
     modes = mechanism.parse_modes(texts, name)

@@ -133,7 +133,7 @@ def design(
     )
     modes = chosen.parse_modes(mode or ("all",), "--mode")
     if space is not None:
-        chosen.check_space(space, "--space")
+        space = chosen.parse_space(space, "--space")
     ranges, limits = limits_given(actuator_ranges, link_ranges)
     units = Units(unit)
     shape = practical_shape(rectangle, circle, polygon, clearance, units)

@@ -71,6 +71,9 @@ file_argument = click.argument("file", metavar="FILE.h5", type=click.Path())
 #: The lengths of one design; its command needs ``NEGATIVE_NUMBERS``.
 lengths_argument = click.argument("lengths", nargs=-1, callback=_numbers, metavar="R1 R2 R3")
 mechanism_option = click.option("--mechanism", metavar="NAME", help="Mechanism.")
+space_option = click.option(
+    "--space", metavar="NAME", help="Design space of the mechanism; its first if not given."
+)
 mode_option = click.option(
     "--mode",
     multiple=True,
@@ -95,9 +98,9 @@ tolerance_option = click.option(
 sweep_options = together(
     mechanism_option,
     click.option(
-        "--resolution", type=int, metavar="N", help="Lattice steps; designs are (i, j, k)·3/N."
+        "--resolution", type=int, metavar="N", help="Lattice steps from end to end of the space."
     ),
-    click.option("--space", metavar="NAME", help="Design space: surrounded or assemblable."),
+    space_option,
     mode_option,
     lci_option,
     tolerance_option,

@@ -229,10 +229,10 @@ def representative_designs(mechanism: Mechanism, space: str, cells: int) -> Floa
     least, greatest = CELLS_RANGE
     if not least <= cells <= greatest:
         raise InputError("cells", cells, f"an integer from {least} to {greatest}")
-    mechanism.check_space(space)
+    space = mechanism.parse_space(space)
     chart = mechanism.chart(space)
     edge = np.stack([chart.outline, np.roll(chart.outline, -1, axis=0)], axis=1)
-    fine = mechanism.project(mechanism.lattice(space, _FINE))
+    fine = mechanism.project(mechanism.lattice(space, _FINE), space)
     wanted = _interiors(_sides([*chart.borders, *edge], fine))
     best: FloatArray | None = None
     best_cost = (0, 0)
@@ -244,7 +244,7 @@ def representative_designs(mechanism: Mechanism, space: str, cells: int) -> Floa
         if best is not None and min(map(len, lattices)) - cells > best_cost[0]:
             return best
         for designs in lattices:
-            points = mechanism.project(designs)
+            points = mechanism.project(designs, space)
             of_borders, of_edge = _sides(chart.borders, points), _sides(edge, points)
             on_borders, on_edge = (
                 int((sides == 0).any(axis=1).sum()) for sides in (of_borders, of_edge)
@@ -311,7 +311,7 @@ def _cells(
     designs = representative_designs(mechanism, space, cells)
     return tuple(
         DesignCell(design, place, tuple(lines(mechanism.planar_design(design.tolist(), ""))))
-        for design, place in zip(designs, mechanism.project(designs), strict=True)
+        for design, place in zip(designs, mechanism.project(designs, space), strict=True)
     )
 
 
@@ -322,7 +322,7 @@ def _coarse_lattices(mechanism: Mechanism, space: str, steps: int) -> tuple[Floa
     so that rows are staggered.
     """
     designs = mechanism.lattice(space, 2 * steps)
-    points = mechanism.project(designs)
+    points = mechanism.project(designs, space)
     _, row = np.unique(np.round(points[:, 1], 9), return_inverse=True)
     first, second = (np.sort(points[row == number, 0]) for number in (0, 1))
     if len(first) < 2 or len(second) == 0:  # all designs lie on a line

@@ -41,6 +41,9 @@ THRESHOLD = "threshold"
 DEFAULT_LCI_THRESHOLDS = (0.5,)
 DEFAULT_TOLERANCE = 1e-6
 
+# Up to this difference of every parameter designs are the same.
+_SAME_DESIGN = 1e-9
+
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Parameter:
@@ -213,7 +216,7 @@ class SweepSettings:
     mechanism
         Name of the mechanism.
     space
-        Name of the design space.
+        Canonical text of the design space.
     resolution
         Number of lattice steps N.
     modes
@@ -312,7 +315,8 @@ class Mechanism(ABC):
     quantities: tuple[Quantity, ...]
     #: Canonical labels of all mode pairs, the default first.
     modes: tuple[str, ...]
-    #: Names of the design spaces, the default first.
+    #: Names of the design spaces, the default first and the widest last. There may be more,
+    #: which :meth:`parse_space` knows.
     spaces: tuple[str, ...]
     #: Least and largest lattice resolution.
     resolution_range: tuple[int, int]
@@ -380,16 +384,28 @@ class Mechanism(ABC):
         return np.ones(len(parameters), dtype=np.bool_)
 
     @abstractmethod
-    def project(self, parameters: FloatArray) -> FloatArray:
-        """Return chart coordinates, shape (designs, 2), of designs."""
+    def project(self, parameters: FloatArray, space: str) -> FloatArray:
+        """Return coordinates in the chart of a design space, shape (n, 2), of designs in it.
+
+        What tells designs from those of other spaces, such as a parameter that is fixed, is
+        not looked at: :meth:`are_in_space` does.
+        """
 
     @abstractmethod
-    def unproject(self, points: FloatArray) -> FloatArray:
-        """Return designs, shape (n, parameters), from chart coordinates, shape (n, 2).
+    def unproject(self, points: FloatArray, space: str) -> FloatArray:
+        """Return designs, shape (n, parameters), at points of a space's chart, shape (n, 2).
 
         The inverse of :meth:`project`, which is linear. What lies on a border of a design
         space, up to rounding, is a design that can be evaluated.
         """
+
+    def are_in_space(self, parameters: FloatArray, space: str) -> BoolArray:
+        """Return which designs, shape (n, parameters), the chart of a space has, shape (n,).
+
+        Whether they lie within its outline is not looked at.
+        """
+        back = self.unproject(self.project(parameters, space), space)
+        return np.asarray(np.all(np.abs(back - parameters) <= _SAME_DESIGN, axis=1))
 
     @abstractmethod
     def chart(self, space: str) -> DesignChart:
@@ -411,10 +427,14 @@ class Mechanism(ABC):
                 )
         return tuple(arrays)
 
-    def check_space(self, space: str, name: str = "space") -> None:
-        """Raise UnknownNameError unless there is a design space of this name."""
-        if space not in self.spaces:
-            raise UnknownNameError(name, space, self.spaces)
+    def parse_space(self, text: str, name: str = "space") -> str:
+        """Return the canonical text of a design space; raise UnknownNameError.
+
+        A mechanism with more spaces than it can list, such as slices, overrides this.
+        """
+        if text not in self.spaces:
+            raise UnknownNameError(name, text, self.spaces)
+        return text
 
     def check_resolution(self, resolution: int, name: str = "resolution") -> None:
         """Raise InputError unless a lattice of this resolution can be swept."""

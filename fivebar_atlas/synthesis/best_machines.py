@@ -174,7 +174,9 @@ def _verified(task: MachineTask, placed: Polished) -> RankedMachine | None:
     borders = [
         name
         for name, gap in zip(
-            polygon.names(mechanism), polygon.distances(placed.point[None])[0], strict=True
+            polygon.names(mechanism, task.space),
+            polygon.distances(placed.point[None])[0],
+            strict=True,
         )
         if abs(gap) < _ACTIVE
     ]

@@ -67,7 +67,7 @@ class MachineTask:
     unit
         Unit of lengths.
     space
-        Design space that is searched.
+        Design space that is searched; the widest one where it is empty.
 
     Raises
     ------
@@ -96,9 +96,8 @@ class MachineTask:
             self.mechanism.parse_mode(mode)
         if self.placement not in (ON_AXIS, FREE):
             raise UnknownNameError("placement", self.placement, (ON_AXIS, FREE))
-        if not self.space:
-            object.__setattr__(self, "space", self.mechanism.spaces[-1])
-        self.mechanism.check_space(self.space)
+        space = self.mechanism.parse_space(self.space or self.mechanism.spaces[-1])
+        object.__setattr__(self, "space", space)
         lattice = self.mechanism.lattice(self.space, _RESOLUTION)
         some = self.mechanism.planar_design([*lattice[len(lattice) // 2]], "")
         check_ranges(self.ranges, some, self.modes[0])
@@ -265,7 +264,7 @@ def _apart(task: MachineTask, starts: Sequence[Start]) -> list[Start]:
         range(len(starts)),
         key=lambda k: (round(math.log(starts[k].value) / _SAME), task.modes.index(starts[k].mode)),
     )
-    points = task.mechanism.project(np.array([each.parameters for each in starts]))
+    points = task.mechanism.project(np.array([each.parameters for each in starts]), task.space)
     chosen: list[int] = []
     seen: set[tuple[str, bool]] = set()
     for k in order:

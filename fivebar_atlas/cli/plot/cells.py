@@ -40,11 +40,7 @@ def cell_options(command: Command) -> Command:
             metavar="N",
             help="About how many drawings, 12 to 400; 50 if not given.",
         ),
-        click.option(
-            "--space",
-            metavar="NAME",
-            help="Design space: surrounded or assemblable; the first if not given.",
-        ),
+        options.space_option,
     ):
         command = option(command)
     return command
@@ -105,7 +101,7 @@ def _draw(
     check_outputs(output, data, overwrite)
     check_width(width)
     chosen = mechanisms.get(mechanism or mechanisms.names()[0])
-    chosen_space = space or chosen.spaces[0]
+    chosen_space = chosen.spaces[0] if space is None else chosen.parse_space(space)
     drawn, title = make(chosen, chosen_space, DEFAULT_CELLS if cells is None else cells)
     figure = cell_atlas(chosen.chart(chosen_space), drawn, title, width=width)
     save_figure(figure, output, overwrite)

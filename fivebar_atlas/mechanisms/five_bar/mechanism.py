@@ -354,11 +354,11 @@ class FiveBarMechanism(Mechanism):
         }
         return document
 
-    def project(self, parameters: FloatArray) -> FloatArray:
+    def project(self, parameters: FloatArray, space: str) -> FloatArray:  # noqa: ARG002
         """Return chart coordinates of designs; see :func:`design_space.project`."""
         return design_space.project(parameters)
 
-    def unproject(self, points: FloatArray) -> FloatArray:
+    def unproject(self, points: FloatArray, space: str) -> FloatArray:  # noqa: ARG002
         """Return designs from chart coordinates; see :func:`design_space.unproject`."""
         return design_space.unproject(points)
 
