@@ -25,6 +25,7 @@ from fivebar_atlas.mechanisms.base import (
     Mechanism,
     Parameter,
     Quantity,
+    SweepOption,
     SweepSettings,
 )
 
@@ -46,6 +47,10 @@ class SlicedMechanism(Mechanism):
     modes = ("only",)
     spaces = ("b=0.5",)
     resolution_range = (1, 1000)
+    options = (
+        SweepOption("gain", "deg", "how much all is stretched", 1.0, 0.5, 8.0),
+        SweepOption("is_mirrored", "1", "whether stretches are negative", False),
+    )
 
     def parse_mode(self, text: str) -> str:
         """Accept the one name."""
@@ -84,9 +89,11 @@ class SlicedMechanism(Mechanism):
     def evaluate(
         self, parameters: FloatArray, settings: SweepSettings
     ) -> dict[str, npt.NDArray[Any]]:
-        """Return a + b² + 3 c in every mode."""
+        """Return a + b² + 3 c in every mode, times the gain, mirrored or not."""
         a, b, c = parameters.T
-        stretch = a + b**2 + 3.0 * c
+        values = dict(self.complete_options(settings.options))
+        sign = -1.0 if values["is_mirrored"] else 1.0
+        stretch = sign * values["gain"] * (a + b**2 + 3.0 * c)
         return {"stretch": np.repeat(stretch[:, None], len(settings.modes), axis=1)}
 
     def project(self, parameters: FloatArray, space: str) -> FloatArray:

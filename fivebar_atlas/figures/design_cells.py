@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import Mechanism
+from fivebar_atlas.mechanisms.base import Mechanism, Options
 from fivebar_atlas.mechanisms.planar import PlanarDesign
 from fivebar_atlas.output_file import atomic_output
 from fivebar_atlas.planar_geometry import NamedArc
@@ -99,7 +99,11 @@ class DesignCell:
 
 
 def loci_cells(
-    mechanism: Mechanism, space: str, mode: str | None = None, cells: int = DEFAULT_CELLS
+    mechanism: Mechanism,
+    space: str,
+    mode: str | None = None,
+    cells: int = DEFAULT_CELLS,
+    options: Options = (),
 ) -> tuple[DesignCell, ...]:
     """Return the singular loci of representative designs.
 
@@ -113,6 +117,8 @@ def loci_cells(
         A mode pair or a working mode alone, for its loci only; None for all.
     cells
         About how many designs; see :func:`representative_designs`.
+    options
+        Sweep options of the mechanism.
 
     Returns
     -------
@@ -122,7 +128,7 @@ def loci_cells(
     Raises
     ------
     UnknownNameError
-        If there is no such design space or mode.
+        If there is no such design space, mode or option.
     InputError
         If the number of cells is out of range, or the mechanism does not move in a plane.
     """
@@ -135,11 +141,15 @@ def loci_cells(
         for point in design.isolated_singular_points() if loci else ():
             yield CellLine(np.array([point]))
 
-    return _cells(mechanism, space, cells, lines)
+    return _cells(mechanism, space, cells, options, lines)
 
 
 def shape_cells(
-    mechanism: Mechanism, space: str, mode: str, cells: int = DEFAULT_CELLS
+    mechanism: Mechanism,
+    space: str,
+    mode: str,
+    cells: int = DEFAULT_CELLS,
+    options: Options = (),
 ) -> tuple[DesignCell, ...]:
     """Return the boundaries of the usable workspaces of representative designs.
 
@@ -153,6 +163,8 @@ def shape_cells(
         A mode pair.
     cells
         About how many designs; see :func:`representative_designs`.
+    options
+        Sweep options of the mechanism.
 
     Returns
     -------
@@ -162,7 +174,7 @@ def shape_cells(
     Raises
     ------
     UnknownNameError
-        If there is no such design space or mode pair.
+        If there is no such design space, mode pair or option.
     InputError
         If the number of cells is out of range, or the mechanism does not move in a plane.
     """
@@ -175,7 +187,7 @@ def shape_cells(
             for each in loop.arcs:
                 yield CellLine(each.arc.polyline(_DEVIATION), each, boundary)
 
-    return _cells(mechanism, space, cells, lines)
+    return _cells(mechanism, space, cells, options, lines)
 
 
 def locus_mode(mechanism: Mechanism, text: str) -> str:
@@ -306,11 +318,14 @@ def _cells(
     mechanism: Mechanism,
     space: str,
     cells: int,
+    options: Options,
     lines: Callable[[PlanarDesign], Iterator[CellLine]],
 ) -> tuple[DesignCell, ...]:
     designs = representative_designs(mechanism, space, cells)
     return tuple(
-        DesignCell(design, place, tuple(lines(mechanism.planar_design(design.tolist(), ""))))
+        DesignCell(
+            design, place, tuple(lines(mechanism.planar_design(design.tolist(), "", options)))
+        )
         for design, place in zip(designs, mechanism.project(designs, space), strict=True)
     )
 

@@ -211,7 +211,7 @@ class MachinePolish:
         return np.asarray(self._task.mechanism.unproject(point[None], self._task.space)[0])
 
     def _design(self, point: FloatArray) -> PlanarDesign:
-        return self._task.mechanism.planar_design([*self._parameters(point)], "")
+        return self._task.design(self._parameters(point))
 
     def _good(self, mode: str, point: FloatArray) -> GoodCondition:
         task = self._task
