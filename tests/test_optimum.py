@@ -79,9 +79,9 @@ def test_designs_come_back_from_the_chart() -> None:
 def test_the_design_space_is_a_polygon_with_named_sides() -> None:
     mechanism = mechanisms.get("five-bar")
     polygon = DesignPolygon.of_space(mechanism, "surrounded")
-    assert sorted(polygon.names(mechanism)) == ["r1 = r3", "r2 = r3", "r3 = 0"]
+    assert sorted(polygon.names(mechanism, "surrounded")) == ["r1 = r3", "r2 = r3", "r3 = 0"]
     assert polygon.area == pytest.approx(SPACE_AREA, rel=1e-14)
-    names = DesignPolygon.of_space(mechanism, "assemblable").names(mechanism)
+    names = DesignPolygon.of_space(mechanism, "assemblable").names(mechanism, "assemblable")
     assert sorted(names) == ["r1 = 0", "r2 = 0", "r3 = 0", "r3 = 1.5"]
 
 

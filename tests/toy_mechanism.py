@@ -60,7 +60,7 @@ class ToyMechanism(Mechanism):
 
     def lattice(self, space: str, resolution: int) -> FloatArray:
         """All (i, N - i) / N."""
-        self.check_space(space)
+        self.parse_space(space)
         steps = np.arange(resolution + 1 if space == "whole" else resolution // 2 + 1)
         return np.column_stack([steps, resolution - steps]) / float(resolution)
 
@@ -99,15 +99,15 @@ class ToyMechanism(Mechanism):
             "status": np.repeat(status[:, None], len(signs), axis=1),
         }
 
-    def project(self, parameters: FloatArray) -> FloatArray:
+    def project(self, parameters: FloatArray, space: str) -> FloatArray:  # noqa: ARG002
         """Return the parameters themselves."""
         return parameters.copy()
 
-    def unproject(self, points: FloatArray) -> FloatArray:
+    def unproject(self, points: FloatArray, space: str) -> FloatArray:  # noqa: ARG002
         """Return the chart coordinates themselves."""
         return points.copy()
 
     def chart(self, space: str) -> DesignChart:
         """Return an outline and nothing else."""
-        self.check_space(space)
+        self.parse_space(space)
         return DesignChart(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), (), (), ())

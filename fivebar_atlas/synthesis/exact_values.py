@@ -157,7 +157,7 @@ class ExactValues:
 
     def designs(self, points: FloatArray) -> FloatArray:
         """Return the designs at points of the chart, shape (n, 2)."""
-        return self.mechanism.unproject(self.polygon.clip(points))
+        return self.mechanism.unproject(self.polygon.clip(points), self.settings.space)
 
     def values(self, points: FloatArray) -> FloatArray:
         """Return values at points of the chart, shape (names, n)."""

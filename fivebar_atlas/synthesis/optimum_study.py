@@ -140,8 +140,10 @@ class OptimumStudy:
         return {name: [_plain(low), _plain(high)] for name, low, high in pairs}
 
     def _outline(self, loops: Sequence[FloatArray]) -> list[list[list[float]]]:
-        unproject = self.atlas.mechanism.unproject
-        outlines: list[list[list[float]]] = [unproject(loop).tolist() for loop in loops]
+        mechanism, space = self.atlas.mechanism, self.atlas.settings.space
+        outlines: list[list[list[float]]] = [
+            mechanism.unproject(loop, space).tolist() for loop in loops
+        ]
         return outlines
 
     def _region(self) -> dict[str, Any]:

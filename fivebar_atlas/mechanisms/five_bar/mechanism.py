@@ -21,6 +21,7 @@ from fivebar_atlas.mechanisms.base import (
     FloatArray,
     IntArray,
     Mechanism,
+    Options,
     Parameter,
     Quantity,
     Results,
@@ -284,11 +285,14 @@ class FiveBarMechanism(Mechanism):
         self.check_count(lengths)
         return design_space.normalise(lengths)
 
-    def planar_design(self, lengths: Sequence[float], unit: str | None = None) -> PlanarDesign:
+    def planar_design(
+        self, lengths: Sequence[float], unit: str | None = None, options: Options = ()
+    ) -> PlanarDesign:
         """Return one design for figures and files of its geometry."""
         from fivebar_atlas.mechanisms.five_bar.five_bar import FiveBar
         from fivebar_atlas.mechanisms.scaled_design import ScaledDesign
 
+        self.complete_options(options)
         self.check_count(lengths)
         robot = FiveBar.from_lengths(*lengths)
         scale = robot.dimensional_factor
@@ -354,11 +358,11 @@ class FiveBarMechanism(Mechanism):
         }
         return document
 
-    def project(self, parameters: FloatArray) -> FloatArray:
+    def project(self, parameters: FloatArray, space: str) -> FloatArray:  # noqa: ARG002
         """Return chart coordinates of designs; see :func:`design_space.project`."""
         return design_space.project(parameters)
 
-    def unproject(self, points: FloatArray) -> FloatArray:
+    def unproject(self, points: FloatArray, space: str) -> FloatArray:  # noqa: ARG002
         """Return designs from chart coordinates; see :func:`design_space.unproject`."""
         return design_space.unproject(points)
 
