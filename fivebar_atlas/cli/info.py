@@ -41,7 +41,9 @@ def _document(atlas: Atlas) -> dict[str, Any]:
         "modes": list(settings.modes),
         "lci_thresholds": list(settings.lci_thresholds),
         "tolerance": settings.tolerance,
-        "quantities": [_quantity(atlas, quantity) for quantity in atlas.mechanism.quantities],
+        "quantities": [
+            _quantity(atlas, quantity) for quantity in atlas.mechanism.stored_quantities
+        ],
         "made": atlas.attributes,
     }
 
@@ -57,6 +59,10 @@ def _quantity(atlas: Atlas, quantity: Quantity) -> dict[str, Any]:
         "unit": quantity.unit,
         "dimensions": list(quantity.dimensions),
     }
+    for product in atlas.mechanism.normalised:
+        if product.quantity.name == quantity.name:
+            entry["normalisation"] = product.normalisation
+            entry["factors"] = list(product.factors)
     if quantity.flags is not None:
         codes, counts = np.unique(values, return_counts=True)
         entry["counts"] = {
