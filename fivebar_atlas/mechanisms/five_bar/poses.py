@@ -11,7 +11,8 @@ import math
 from fivebar_atlas.errors import InputError, OutOfReachError
 from fivebar_atlas.mechanisms.five_bar.jacobian import distal_products, lci
 from fivebar_atlas.mechanisms.five_bar.kinematics import elbow, forward, inverse
-from fivebar_atlas.mechanisms.five_bar.loci import Lengths, mode_label
+from fivebar_atlas.mechanisms.five_bar.loci import Lengths
+from fivebar_atlas.mechanisms.mode_pairs import mode_label
 from fivebar_atlas.mechanisms.planar import (
     ACTUATED,
     BASE,
