@@ -49,9 +49,10 @@ class ScaledDesign(PlanarDesign):
 
     @property
     def parameters(self) -> tuple[tuple[str, float], ...]:
-        """Symbol and length of every parameter; dimensional lengths have capital letters."""
+        """Symbol and length of every parameter, in the notation of the machine."""
         return tuple(
-            (symbol.upper(), self.factor * value) for symbol, value in self._design.parameters
+            (self._design.dimensional_symbol(symbol), self.factor * value)
+            for symbol, value in self._design.parameters
         )
 
     @property
@@ -182,7 +183,10 @@ class ScaledDesign(PlanarDesign):
         joints = tuple(
             dataclasses.replace(joint, position=self._out(joint.position)) for joint in pose.joints
         )
-        links = tuple(dataclasses.replace(link, symbol=link.symbol.upper()) for link in pose.links)
+        links = tuple(
+            dataclasses.replace(link, symbol=self._design.dimensional_symbol(link.symbol))
+            for link in pose.links
+        )
         return dataclasses.replace(pose, joints=joints, links=links)
 
     @contextmanager

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.errors import UnknownNameError
 from fivebar_atlas.mechanisms.base import (
     DESIGN,
     MODE,
@@ -29,6 +28,13 @@ from fivebar_atlas.mechanisms.base import (
     plain,
 )
 from fivebar_atlas.mechanisms.five_bar import design_space
+from fivebar_atlas.mechanisms.mode_pairs import (
+    ASSEMBLY_MODES,
+    MODE_PAIRS,
+    WORKING_MODES,
+    mode_signs,
+    parse_mode_pair,
+)
 
 if TYPE_CHECKING:
     from fivebar_atlas.mechanisms.planar import (
@@ -37,10 +43,6 @@ if TYPE_CHECKING:
         PlacementScan,
         PlanarDesign,
     )
-
-#: Codes of the columns that name a mode pair. An assembly mode is the sign of det B.
-WORKING_MODES = Flags(values=(0, 1, 2, 3), meanings=("+-", "-+", "++", "--"))
-ASSEMBLY_MODES = Flags(values=(1, -1), meanings=("up", "down"))
 
 #: Why a value is not a number, or not as accurate as asked for.
 STATUS = Flags(
@@ -54,15 +56,6 @@ STATUS = Flags(
     ),
     masks=True,
 )
-
-_LETTERS = str.maketrans("pm−", "+--")
-
-
-def mode_signs(label: str) -> tuple[int, int, int]:
-    """Return (s1, s2, sign of det B) of a canonical mode label, each +1 or -1."""
-    working, _, assembly = label.partition("/")
-    s1, s2 = (1 if sign == "+" else -1 for sign in working)
-    return s1, s2, ASSEMBLY_MODES.values[ASSEMBLY_MODES.meanings.index(assembly)]
 
 
 class FiveBarMechanism(Mechanism):
@@ -184,33 +177,13 @@ class FiveBarMechanism(Mechanism):
             has_error=True,
         ),
     )
-    modes = tuple(
-        f"{working}/{assembly}"
-        for working in WORKING_MODES.meanings
-        for assembly in ASSEMBLY_MODES.meanings
-    )
+    modes = MODE_PAIRS
     spaces = design_space.SPACES
     resolution_range = (3, 5000)
 
     def parse_mode(self, text: str) -> str:
-        """Return the canonical label of a mode pair.
-
-        Parameters
-        ----------
-        text
-            Working mode and assembly mode, ``"+-/up"`` or in letters ``"pm/up"``, in
-            either case.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is no such mode pair.
-        """
-        working, slash, assembly = text.strip().lower().partition("/")
-        label = working.translate(_LETTERS) + slash + assembly
-        if label not in self.modes:
-            raise UnknownNameError("mode", text, self.modes)
-        return label
+        """Return the canonical label of a mode pair; see :func:`parse_mode_pair`."""
+        return parse_mode_pair(text)
 
     def lattice(self, space: str, resolution: int) -> FloatArray:
         """Return every design of the lattice; see :func:`design_space.lattice`."""
