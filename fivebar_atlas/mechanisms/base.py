@@ -411,6 +411,8 @@ class Mechanism(ABC):
     spaces: tuple[str, ...]
     #: Least and largest lattice resolution.
     resolution_range: tuple[int, int]
+    #: Lattice resolution where nothing is said.
+    default_resolution: int = 300
     #: Tightest and loosest tolerance.
     tolerance_range: tuple[float, float] = (1e-10, 1e-3)
     #: What else a sweep may choose, beyond space, mode pairs, thresholds and tolerance.

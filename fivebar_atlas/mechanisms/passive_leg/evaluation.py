@@ -48,7 +48,7 @@ UNBOUNDED_MANIPULABILITY = 8
 REACHED, REACHED_ERROR, FREE, FREE_ERROR, USABLE, USABLE_ERROR = range(6)
 GCI, GCI_ERROR, GMI, GMI_ERROR = range(6, 10)
 GCI_L_THETA, GCI_L_THETA_ERROR, GMI_L_THETA, GMI_L_THETA_ERROR = range(10, 14)
-MAX_LCI, MAX_X, MAX_Y, STATUS, COLUMNS = range(14, 19)
+L_THETA, L_THETA_ERROR, MAX_LCI, MAX_X, MAX_Y, STATUS, COLUMNS = range(14, 21)
 
 # What is smooth is integrated to rounding, relative to itself.
 _ROUNDING = 1e-14
@@ -197,6 +197,7 @@ def evaluate_design(
             return
     if not has_limits:
         out[FREE], out[FREE_ERROR] = out[USABLE], out[USABLE_ERROR]
+    out[L_THETA], out[L_THETA_ERROR] = w.total[WIDTH], w.total_error[WIDTH]
     out[GCI], out[GCI_ERROR] = _mean(w, LCI, AREA)
     out[GCI_L_THETA], out[GCI_L_THETA_ERROR] = _mean(w, LCI_WIDTH, WIDTH)
     if has_forward:
@@ -294,23 +295,24 @@ def evaluate_designs(
     # where the legs cannot be stretched at θ = 0 there is no such size
     with np.errstate(invalid="ignore"):
         size = (r + 1.0) * np.sqrt((l_a + l_b) ** 2 - (1.0 - r) ** 2)
-    usable = picked[:, :, USABLE]
     with np.errstate(divide="ignore", invalid="ignore"):
-        utilisation = usable / size[:, None]
-        utilisation_error = picked[:, :, USABLE_ERROR] / size[:, None]
+        utilisation = picked[:, :, [USABLE, USABLE_ERROR, L_THETA, L_THETA_ERROR]]
+        utilisation = utilisation / size[:, None, None]
     return {
         "workspace_area": rows[:, 0, REACHED],
         "workspace_area_error": rows[:, 0, REACHED_ERROR],
         "singularity_free_workspace_area": picked[:, :, FREE],
         "singularity_free_workspace_area_error": picked[:, :, FREE_ERROR],
-        "usable_workspace_area": usable,
+        "usable_workspace_area": picked[:, :, USABLE],
         "usable_workspace_area_error": picked[:, :, USABLE_ERROR],
         "gci": picked[:, :, GCI],
         "gci_error": picked[:, :, GCI_ERROR],
         "gmi": picked[:, :, GMI],
         "gmi_error": picked[:, :, GMI_ERROR],
-        "space_utilisation": utilisation,
-        "space_utilisation_error": utilisation_error,
+        "space_utilisation": utilisation[..., 0],
+        "space_utilisation_error": utilisation[..., 1],
+        "space_utilisation_l_theta": utilisation[..., 2],
+        "space_utilisation_l_theta_error": utilisation[..., 3],
         "gci_l_theta": picked[:, :, GCI_L_THETA],
         "gci_l_theta_error": picked[:, :, GCI_L_THETA_ERROR],
         "gmi_l_theta": picked[:, :, GMI_L_THETA],

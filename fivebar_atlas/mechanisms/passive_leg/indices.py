@@ -54,7 +54,7 @@ _LEAST_SHARE = 0.1
 # LCI is not smooth at isotropic points; integrals over where it reaches a threshold are not where
 # the level curve has a turning point: there columns differ in their number of crossings, and a
 # panel may miss by chance what lies between them.
-_LEAST_GAIN, _LEVEL_GAIN, _TURNING_GAIN = 0.1, 2.0, 10.0
+_LEAST_GAIN, _LEVEL_GAIN, _TURNING_GAIN = 0.3, 2.0, 10.0
 # Of what halving a panel has changed, its halves keep at least this share as their error.
 _KEPT_CHANGE = 1.0
 # Most places where the LCI crosses a threshold on a leaf; steps and brackets of roots.
