@@ -214,6 +214,8 @@ def evaluate_design(
                 mean = w.total[at + 1 + which] / area
                 error = w.total_error[at + 1 + which] + mean * w.total_error[at]
                 out[column + 2 + 2 * which], out[column + 3 + 2 * which] = mean, error / area
+            # the LCI lies between the threshold and 1
+            out[column + 3] = min(out[column + 3], 1.0 - thresholds[kind])
     lci, length, theta = largest_lci(w, r, l_a, l_b, theta_limit, elbow1, elbow2, sign, usable)
     # of mirror images the one at positive x
     if elbow1 == -elbow2:

@@ -20,12 +20,14 @@ import numpy.typing as npt
 from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.base import FloatArray
 from fivebar_atlas.mechanisms.passive_leg.columns import PASSIVE_JOINTS, find_column
+from fivebar_atlas.mechanisms.passive_leg.isotropy import MAX_ISOTROPIC, isotropic_points
 from fivebar_atlas.mechanisms.passive_leg.jacobian import local_indices
 from fivebar_atlas.mechanisms.passive_leg.kinematics import reaches_at
 from fivebar_atlas.mechanisms.passive_leg.singularity import conditions_at
 from fivebar_atlas.mechanisms.passive_leg.workspace import RUNS, Runs, is_of_run
 from fivebar_atlas.numerics.quadrature import (
     cluster,
+    cluster_inverse,
     cluster_slope,
     gauss_kronrod,
     kronrod_error,
@@ -54,7 +56,10 @@ _LEAST_SHARE = 0.1
 # LCI is not smooth at isotropic points; integrals over where it reaches a threshold are not where
 # the level curve has a turning point: there columns differ in their number of crossings, and a
 # panel may miss by chance what lies between them.
-_LEAST_GAIN, _LEVEL_GAIN, _TURNING_GAIN = 0.3, 2.0, 10.0
+_LEAST_GAIN, _LEVEL_GAIN, _TURNING_GAIN = 0.3, 4.0, 16.0
+# Intervals are cut at isotropic points from columns no farther than this angle, unless that is as
+# near to an end in v.
+_NEAR_ANGLE, _AT_END = 0.25, 1e-3
 # Of what halving a panel has changed, its halves keep at least this share as their error.
 _KEPT_CHANGE = 1.0
 # Most places where the LCI crosses a threshold on a leaf; steps and brackets of roots.
@@ -65,6 +70,8 @@ _ROOT, _MAX_STEPS, _TURNING_STEPS = 1e-12, 60, 24
 _NEAR = 0.5
 # Pattern search for the largest LCI: first step as a share of the links, and the last one.
 _FIRST_STEP, _LAST_STEP = 0.02, 1e-10
+# Some node of a workspace with an isotropic point has more than this LCI.
+_NEARLY_ISOTROPIC = 0.9
 
 
 class Integrals(Protocol):
@@ -100,6 +107,8 @@ class Integrals(Protocol):
         Largest LCI of a node, l and θ there, shape (3,).
     halved
         Integrals over the panel that was halved last, shape (VALUES,).
+    isotropic, isotropic_count
+        Isotropic points, l and θ, shape (MAX_ISOTROPIC, 2), and their number, shape (1,).
     missed
         Angle of a column that is not of its run, shape (1,).
     """
@@ -131,6 +140,8 @@ class Integrals(Protocol):
     cuts: FloatArray
     best: FloatArray
     halved: FloatArray
+    isotropic: FloatArray
+    isotropic_count: IndexArray
     missed: FloatArray
 
 
@@ -150,6 +161,8 @@ INTEGRALS = record_type(
     *((name, np.float64, (NODES + 2,)) for name in ("v", "lci", "manipulability", "length")),
     ("cuts", np.float64, (_MAX_CUTS + 2,)),
     ("best", np.float64, (3,)),
+    ("isotropic", np.float64, (MAX_ISOTROPIC, 2)),
+    ("isotropic_count", np.int64, (1,)),
     ("missed", np.float64, (1,)),
 )
 
@@ -280,8 +293,21 @@ def integrate_interval(
     kinds = len(thresholds)
     w.column_values[AREA] += 0.5 * (high - low) * (high + low)
     w.column_values[WIDTH] += width
-    leaves = 1
-    w.leaf_low[0], w.leaf_high[0] = 0.0, 1.0
+    # leaves end where the tip of a cone is near
+    leaves, start_v = 0, 0.0
+    while True:
+        end_v = 1.0
+        for k in range(w.isotropic_count[0]):
+            at, off = w.isotropic[k, 0], abs(w.isotropic[k, 1] - theta)
+            if off < _NEAR_ANGLE and low < at < high:
+                v = cluster_inverse((at - low) / width)
+                if start_v + _AT_END < v < end_v - _AT_END:
+                    end_v = v
+        w.leaf_low[leaves], w.leaf_high[leaves] = start_v, end_v
+        leaves += 1
+        if end_v == 1.0:
+            break
+        start_v = end_v
     while leaves > 0:
         leaves -= 1
         a, b = w.leaf_low[leaves], w.leaf_high[leaves]
@@ -427,7 +453,7 @@ def _integrate_panel(
 @kernel
 def _keep_change(w: Integrals, one: int, other: int) -> None:
     """Raise the errors of two halves to a share of what they changed; see ``_KEPT_CHANGE``."""
-    for k in range(FIXED, VALUES):
+    for k in range(VALUES):
         change = abs(w.panel_values[one, k] + w.panel_values[other, k] - w.halved[k])
         errors = w.panel_errors[one, k] + w.panel_errors[other, k]
         if errors < _KEPT_CHANGE * change:
@@ -494,6 +520,12 @@ def integrate_part(
         0: done, 1: tolerance not reached, 2: columns are missing from the runs.
     """
     runs = w.runs
+    w.isotropic_count[0] = 0
+    if has_indices:
+        limit = max(abs(runs.start[0]), abs(runs.end[runs.count[0] - 1]))
+        w.isotropic_count[0] = isotropic_points(
+            r, l_a, l_b, limit, elbow1, elbow2, sign, conditions, w.isotropic
+        )
     values = FIXED + 3 * len(thresholds) if has_indices else 1
     w.best[0] = -1.0
     panels = 0
@@ -504,9 +536,23 @@ def integrate_part(
         for i in range(runs.intervals[run]):
             if part < 0 or runs.part[run, i] == part:
                 is_used = True
-        if is_used:
-            w.panel_run[panels], w.panel_low[panels], w.panel_high[panels] = run, 0.0, 1.0
+        if not is_used:
+            continue
+        # panels end at the angles of isotropic points
+        start_v, span = 0.0, runs.end[run] - runs.start[run]
+        while True:
+            end_v = 1.0
+            for k in range(w.isotropic_count[0] if has_indices else 0):
+                at = (w.isotropic[k, 1] - runs.start[run]) / span
+                if 0.0 < at < 1.0:
+                    v = cluster_inverse(at)
+                    if start_v + _AT_END < v < end_v - _AT_END:
+                        end_v = v
+            w.panel_run[panels], w.panel_low[panels], w.panel_high[panels] = run, start_v, end_v
             panels += 1
+            if end_v == 1.0:
+                break
+            start_v = end_v
     done, is_halved = 0, False
     while True:
         while done < panels:
@@ -559,9 +605,11 @@ def largest_lci(
     w: Integrals, r: float, l_a: float, l_b: float, theta_limit: float,
     elbow1: float, elbow2: float, sign: float, conditions: int,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the largest LCI near the best node, and l and θ there, by a pattern search."""
+    """Return the largest LCI, and l and θ there: an isotropic point, or near the best node."""
     best, length, theta = w.best[0], w.best[1], w.best[2]
     step = _FIRST_STEP
+    if w.isotropic_count[0] > 0 and best > _NEARLY_ISOTROPIC:
+        return 1.0, w.isotropic[0, 0], w.isotropic[0, 1]
     while step > _LAST_STEP:
         is_better = False
         for direction in range(8):
