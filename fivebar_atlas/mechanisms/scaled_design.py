@@ -10,7 +10,15 @@ import numpy as np
 
 from fivebar_atlas.errors import InputError, OutOfReachError
 from fivebar_atlas.mechanisms.base import FloatArray, Options
-from fivebar_atlas.mechanisms.planar import PathLeast, PathReport, PlanarDesign, Pose, Workspace
+from fivebar_atlas.mechanisms.planar import (
+    RADIANS,
+    OperatingLimits,
+    PathLeast,
+    PathReport,
+    PlanarDesign,
+    Pose,
+    Workspace,
+)
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
 
@@ -128,6 +136,13 @@ class ScaledDesign(PlanarDesign):
         """Return the largest LCI of the usable workspace of a mode pair, and where it is."""
         found = self._design.largest_lci(mode)
         return None if found is None else (found[0], self._out(found[1]))
+
+    def operating_limits(self, mode: str, count: int) -> OperatingLimits:
+        """Return the least and the greatest inputs over the usable workspace of a mode pair."""
+        limits = self._design.operating_limits(mode, count)
+        if limits.unit == RADIANS:
+            return limits
+        return dataclasses.replace(limits, unit=self.unit, places=self.factor * limits.places)
 
     def pose(self, x: float, y: float, mode: str) -> Pose:
         """Return the linkage with its output point at P, in a mode pair or working mode."""
