@@ -50,7 +50,7 @@ def planar_design(
     Parameters
     ----------
     *lengths
-        One number for each parameter of the mechanism: R1, R2, R3 of a five-bar.
+        The lengths of the mechanism: R1, R2, R3 of a five-bar.
     unit
         Unit of the lengths; ``""`` for the non-dimensional design, whatever the lengths.
         Where nothing is said it is mm, or ``""`` if the lengths are non-dimensional already.

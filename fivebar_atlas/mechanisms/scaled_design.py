@@ -8,8 +8,9 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError, OutOfReachError
-from fivebar_atlas.mechanisms.base import FloatArray, Options
+from fivebar_atlas.mechanisms.base import FloatArray, Mechanism, Options
 from fivebar_atlas.mechanisms.planar import PathLeast, PathReport, PlanarDesign, Pose, Workspace
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
@@ -49,9 +50,10 @@ class ScaledDesign(PlanarDesign):
 
     @property
     def parameters(self) -> tuple[tuple[str, float], ...]:
-        """Symbol and length of every parameter; dimensional lengths have capital letters."""
+        """Symbol and length of every length of the machine."""
         return tuple(
-            (symbol.upper(), self.factor * value) for symbol, value in self._design.parameters
+            (each.symbol, self.factor * value)
+            for each, (_, value) in zip(self._own.lengths, self._design.parameters, strict=True)
         )
 
     @property
@@ -175,6 +177,10 @@ class ScaledDesign(PlanarDesign):
             ),
         )
 
+    @property
+    def _own(self) -> Mechanism:
+        return mechanisms.get(self.mechanism)
+
     def _out(self, point: Point) -> Point:
         return self.factor * point[0], self.factor * point[1]
 
@@ -182,7 +188,12 @@ class ScaledDesign(PlanarDesign):
         joints = tuple(
             dataclasses.replace(joint, position=self._out(joint.position)) for joint in pose.joints
         )
-        links = tuple(dataclasses.replace(link, symbol=link.symbol.upper()) for link in pose.links)
+        own = zip(self._own.proportions, self._own.lengths, strict=True)
+        symbols = {one.symbol: other.symbol for one, other in own}
+        links = tuple(
+            dataclasses.replace(link, symbol=symbols.get(link.symbol, link.symbol))
+            for link in pose.links
+        )
         return dataclasses.replace(pose, joints=joints, links=links)
 
     @contextmanager

@@ -193,7 +193,7 @@ def region(
     "quantities",
     required=True,
     metavar="A,B",
-    help="Two quantities, such as 'usable_workspace_area,gci'; '-r3' or 'r3:min' for less.",
+    help="Two quantities, such as 'usable_workspace_area,gci'; '-NAME' or 'NAME:min' for less.",
 )
 @click.option(
     "--where", "wheres", multiple=True, metavar="CONDITION", help="A condition; repeatable."
