@@ -99,8 +99,12 @@ def optimum(
         known = condition_names(atlas)
         check_conditions(conditions, atlas)
         check_contradictions(conditions)
-        objective = None if maximise is None else parse_objective(maximise, known)
-        directions = () if pareto is None else parse_directions(pareto, known)
+        objective = (
+            None if maximise is None else parse_objective(maximise, known, unknown=atlas.unknown)
+        )
+        directions = (
+            () if pareto is None else parse_directions(pareto, known, unknown=atlas.unknown)
+        )
         note_compilation()
         study = study_optimum(
             atlas,

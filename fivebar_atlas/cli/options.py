@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from fivebar_atlas.errors import InputError, UnknownNameError
+from fivebar_atlas.errors import InputError
 
 if TYPE_CHECKING:
     from fivebar_atlas.config import Overrides
@@ -263,16 +263,11 @@ def as_typed(options: Mapping[str, tuple[str, str | None]]) -> Iterator[None]:
     """
     try:
         yield
-    except UnknownNameError as error:
-        if error.name not in options:
-            raise
-        option, text = options[error.name]
-        raise UnknownNameError(option, error.value if text is None else text, error.known) from None
     except InputError as error:
         if error.name not in options:
             raise
         option, text = options[error.name]
-        raise InputError(option, error.value if text is None else text, error.allowed) from None
+        raise error.renamed(option, error.value if text is None else text) from None
 
 
 @contextlib.contextmanager

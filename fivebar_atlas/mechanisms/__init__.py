@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import functools
 import importlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from fivebar_atlas.errors import UnknownNameError
+from fivebar_atlas.errors import ForeignNameError, UnknownNameError
 from fivebar_atlas.mechanisms.base import Mechanism
 
 if TYPE_CHECKING:
@@ -37,6 +37,22 @@ def get(name: str) -> Mechanism:
     module, _, attribute = _REGISTRY[name].partition(":")
     mechanism: Mechanism = getattr(importlib.import_module(module), attribute)()
     return mechanism
+
+
+def unknown_name(
+    mechanism: Mechanism, name: str, value: str, known: Iterable[str]
+) -> UnknownNameError:
+    """Return the error for a name that the mechanism of a file does not have.
+
+    It says of which mechanism it is a quantity, a parameter or a mode pair, if it is of any.
+    """
+    others = {each: get(each).kind_of(value) for each in names() if each != mechanism.name}
+    owners = {each: kind for each, kind in others.items() if kind}
+    if not owners:
+        return UnknownNameError(name, value, known)
+    kind = next(iter(owners.values()))
+    alike = [each for each, other in owners.items() if other == kind]
+    return ForeignNameError(name, value, known, kind, alike, mechanism.name)
 
 
 def planar_design(

@@ -796,6 +796,18 @@ class Mechanism(ABC):
                 return quantity
         raise UnknownNameError("quantity", name, [q.name for q in self.quantities])
 
+    def kind_of(self, name: str) -> str:
+        """Return what a name is here: quantity, parameter or mode pair; empty if it is nothing."""
+        if any(name in (each.name, each.error_name) for each in self.quantities):
+            return "quantity"
+        if any(name == each.name for each in self.parameters):
+            return "parameter"
+        try:
+            self.parse_mode(name)
+        except UnknownNameError:
+            return ""
+        return "mode pair"
+
     def parse_modes(self, texts: Sequence[str], name: str = "mode") -> tuple[str, ...]:
         """Return canonical labels, ``"all"`` expanded and repetitions dropped."""
         labels: list[str] = []

@@ -238,7 +238,8 @@ def pareto(
     with open_atlas(file) as atlas, options.asked_to_choose():
         check_conditions(conditions, atlas)
         check_contradictions(conditions)
-        directions = parse_directions(quantities, condition_names(atlas), "--pareto")
+        known = condition_names(atlas)
+        directions = parse_directions(quantities, known, "--pareto", atlas.unknown)
         if len(directions) != 2:
             raise InputError("--pareto", quantities, "two quantities, the axes of the figure")
         candidates = Candidates(atlas, conditions, mode, lci)
