@@ -27,9 +27,6 @@ from fivebar_atlas.mechanisms.base import (
     SweepSettings,
 )
 
-#: Number of lattice steps where nothing is said.
-DEFAULT_RESOLUTION = 300
-
 #: Far above any machine's number of cores, so that a slip of the keyboard is caught.
 MOST_THREADS = 1024
 
@@ -291,9 +288,8 @@ def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Config
         raise UnknownNameError(name, chosen, mechanisms.names())
     mechanism: Mechanism = mechanisms.get(chosen)
 
-    least, greatest = mechanism.resolution_range
-    fitting = min(max(DEFAULT_RESOLUTION, least), greatest)
-    resolution, name = pick("resolution", overrides.resolution, sweep.resolution, fitting)
+    default = mechanism.default_resolution
+    resolution, name = pick("resolution", overrides.resolution, sweep.resolution, default)
     mechanism.check_resolution(resolution, name)
 
     space, name = pick("space", overrides.space, sweep.space, mechanism.spaces[0])

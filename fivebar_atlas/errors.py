@@ -92,7 +92,7 @@ class ForeignNameError(UnknownNameError):
         super().__init__(name, value, known)
         self.kind, self.owners, self.own = kind, owners, own
         self.args = (
-            f"{name}: {value!r} is a {kind} of {' and '.join(owners)}; this file is of {own}, "
+            f"{name}: {value!r} is a {kind} of {', '.join(owners)}; this file is of {own}, "
             f"which has {', '.join(self.known)}",
         )
 

@@ -99,9 +99,13 @@ def test_a_name_of_several_mechanisms_names_them_all(
     with open_atlas(path) as opened:
         with pytest.raises(ForeignNameError) as caught:
             opened.select("max_lci")
-        assert str(caught.value).startswith("quantity: 'max_lci' is a quantity of five-bar and ")
+        assert str(caught.value).startswith(
+            "quantity: 'max_lci' is a quantity of five-bar, passive-leg, "
+        )
         assert "closed-form; this file is of toy, which has a, b, span" in str(caught.value)
-        with pytest.raises(ForeignNameError, match="is a mode pair of five-bar and closed-form"):
+        with pytest.raises(
+            ForeignNameError, match="is a mode pair of five-bar, passive-leg, closed-form; "
+        ):
             opened.mode_index("pm/up")
     renamed = caught.value.renamed("--where", "max_lci")
     assert str(renamed) == str(caught.value).replace("quantity: ", "--where: ", 1)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator
-from pathlib import Path
 
 import closed_form_atlas
 import closed_form_mechanism
@@ -33,16 +32,6 @@ FloatArray = npt.NDArray[np.float64]
 
 SPACE_AREA = 3.0**2 / math.sqrt(3.0) / 3.0
 KNOWN = ("r1", "r2", "r3", "gci", "usable_workspace_area")
-
-
-@pytest.fixture
-def closed_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Atlas]:
-    monkeypatch.setitem(
-        mechanisms._REGISTRY, "closed-form", "closed_form_mechanism:ClosedFormMechanism"
-    )
-    with open_atlas(closed_form_mechanism.write(tmp_path / "closed_form.h5")) as opened:
-        yield opened
-    mechanisms.get.cache_clear()
 
 
 @pytest.fixture(scope="module")

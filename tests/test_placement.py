@@ -16,7 +16,7 @@ from designs import random_cases
 
 from fivebar_atlas import FiveBar, planar_design
 from fivebar_atlas.errors import InfeasibleSizeError
-from fivebar_atlas.mechanisms.five_bar.loci import mode_label
+from fivebar_atlas.mechanisms.mode_pairs import mode_label
 from fivebar_atlas.synthesis.containment import INSIDE, GoodCondition
 from fivebar_atlas.synthesis.placement import FREE, ON_AXIS, Fit, fit_shape
 from fivebar_atlas.synthesis.scale_search import ALLOWANCE

@@ -23,6 +23,7 @@ from fivebar_atlas.mechanisms.base import (
     FloatArray,
     IntArray,
     Mechanism,
+    NormalisedProduct,
     Parameter,
     Quantity,
     SweepSettings,
@@ -47,6 +48,30 @@ class ToyMechanism(Mechanism):
         Quantity("sweep_area", "$S$", "m2", "swept area", (DESIGN, MODE), length_power=2),
         Quantity("share", "$h$", "1", "share", (DESIGN, MODE, THRESHOLD), has_error=True),
         Quantity("status", "status", "1", "status", (DESIGN, MODE), flags=STATUS),
+    )
+    normalised = (
+        NormalisedProduct(
+            Quantity("normalised_span", r"$\hat{s}$", "1", "normalised span", has_error=True),
+            ("span",),
+            "range",
+        ),
+        NormalisedProduct(
+            Quantity(
+                "composed",
+                r"$\eta$",
+                "1",
+                "composed index",
+                (DESIGN, MODE, THRESHOLD),
+                has_error=True,
+            ),
+            ("span", "share"),
+            "range",
+        ),
+        NormalisedProduct(
+            Quantity("relative", "$q$", "1", "relative area", (DESIGN, MODE)),
+            ("span", "sweep_area"),
+            "largest",
+        ),
     )
     modes = ("left", "right")
     spaces = ("whole", "half")

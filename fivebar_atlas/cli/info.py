@@ -43,7 +43,9 @@ def _document(atlas: Atlas) -> dict[str, Any]:
         "lci_thresholds": list(settings.lci_thresholds),
         "tolerance": settings.tolerance,
         **({"options": dict(settings.options)} if settings.options else {}),
-        "quantities": [_quantity(atlas, quantity) for quantity in atlas.mechanism.quantities],
+        "quantities": [
+            _quantity(atlas, quantity) for quantity in atlas.mechanism.stored_quantities
+        ],
         "made": atlas.attributes,
     }
 
@@ -59,6 +61,10 @@ def _quantity(atlas: Atlas, quantity: Quantity) -> dict[str, Any]:
         "unit": quantity.unit,
         "dimensions": list(quantity.dimensions),
     }
+    for product in atlas.mechanism.normalised:
+        if product.quantity.name == quantity.name:
+            entry["normalisation"] = product.normalisation
+            entry["factors"] = list(product.factors)
     if quantity.flags is not None:
         codes, counts = np.unique(values, return_counts=True)
         entry["counts"] = {

@@ -63,7 +63,7 @@ def _document(mechanism: Mechanism) -> dict[str, Any]:
                 "unit": each.unit,
                 "dimensions": list(each.dimensions),
             }
-            for each in mechanism.quantities
+            for each in mechanism.stored_quantities
         ],
     }
 

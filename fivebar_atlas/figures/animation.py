@@ -103,6 +103,7 @@ class PathAnimation:
         return (
             self.trace,
             *self.linkage.links,
+            *(drawn for _, drawn, _ in self.linkage.sleeves),
             *self.linkage.joints,
             self.marker,
             *self.readout,
@@ -165,7 +166,7 @@ def path_animation(checked: CheckedPath, frames: int, width: float = WIDTH) -> P
     with style.styled():
         frame = _draw_plane(design, mode, way, poses, width)
         marker = _draw_strip(frame, lengths, fine.report.lci)
-        readout = _draw_readout(frame, inputs)
+        readout = _draw_readout(frame, inputs, poses[0].input_symbols)
         trace = frame.line(way[:1], "trace", zorder=REGION_LEVEL + 0.1, **_TRACE_LOOK)
         animation = PathAnimation(
             figure=frame.figure,
@@ -256,7 +257,9 @@ def _draw_strip(frame: PlaneFrame, lengths: FloatArray, lci: FloatArray) -> Line
     return marker
 
 
-def _draw_readout(frame: PlaneFrame, inputs: FloatArray) -> tuple[Text, ...]:
+def _draw_readout(
+    frame: PlaneFrame, inputs: FloatArray, symbols: Sequence[str]
+) -> tuple[Text, ...]:
     """Write the names of LCI and input angles above the strip; return their texts, empty."""
     left, width = _strip_extent(frame)
     axes = frame.add_strip(left, _GAP, width, _READOUT)
@@ -264,7 +267,7 @@ def _draw_readout(frame: PlaneFrame, inputs: FloatArray) -> tuple[Text, ...]:
     axes.set_axis_off()
     axes.set_xlim(0.0, width)
     axes.set_ylim(0.0, _READOUT)
-    names = ["LCI", *(rf"$\theta_{{{number + 1}}}$" for number in range(inputs.shape[1]))]
+    names = ["LCI", *symbols]
     # Each as wide as the widest of its values, so that nothing moves but the digits.
     values = [[_lci_text(1.0)], *(map(_angle_text, angles) for angles in inputs.T)]
     texts = []

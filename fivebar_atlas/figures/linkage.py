@@ -30,6 +30,9 @@ from fivebar_atlas.mechanisms.planar import (
     CRANK,
     OUTPUT,
     PASSIVE,
+    PASSIVE_LEG,
+    PLATFORM,
+    Link,
     PlanarDesign,
     Pose,
 )
@@ -49,6 +52,9 @@ _ARC_RADIUS, _ARC_STEP, _ARC_HEAD = 5.0, 2.0, 1.1
 _SHORTEST_LABELLED = 2.0
 # Joints closer than this on paper have one label.
 _SAME_PLACE = 0.3
+# Sleeve of a leg of variable length: its length in millimetres, at most this share of the leg, and
+# how much wider than the leg it is.
+_SLEEVE, _SLEEVE_SHARE, _SLEEVE_WIDTH = 9.0, 0.6, 3.2
 # Points across a workspace among which the one farthest from the boundary is looked for.
 _RASTER = 40
 
@@ -79,15 +85,20 @@ class LinkageArtists:
     ----------
     links, joints
         One line for each link, and one marker for each joint, in the order of the pose.
+    sleeves
+        Sleeves of the legs of variable length, by the place of the link, and their length.
     """
 
     links: tuple[Line2D, ...]
     joints: tuple[Line2D, ...]
+    sleeves: tuple[tuple[int, Line2D, float], ...]
 
     def move(self, pose: Pose) -> None:
         """Show another pose of the same linkage."""
         for drawn, link in zip(self.links, pose.links, strict=True):
             drawn.set_data(*link_points(pose, link.start, link.end).T)
+        for place, drawn, length in self.sleeves:
+            drawn.set_data(*_sleeve_points(pose, pose.links[place], length).T)
         for drawn, joint in zip(self.joints, pose.joints, strict=True):
             drawn.set_data([joint.position[0]], [joint.position[1]])
 
@@ -99,6 +110,8 @@ def draw_linkage(
     data: PlottedData | None = None,
 ) -> LinkageArtists:
     """Draw a linkage: actuated joints filled, passive ones open, the base on the ground.
+
+    A platform is as thick as a crank, and a leg of variable length slides in a sleeve.
 
     Parameters
     ----------
@@ -118,8 +131,8 @@ def draw_linkage(
     """
     _draw_ground(frame, pose, look)
     frame.occupied.extend(_ground_boxes(frame, pose, look))
-    widths = {BASE: look.base, CRANK: look.crank}
-    links = []
+    widths = {BASE: look.base, CRANK: look.crank, PLATFORM: look.crank}
+    links, sleeves = [], []
     for number, link in enumerate(pose.links, start=1):
         points = link_points(pose, link.start, link.end)
         links.append(
@@ -133,6 +146,8 @@ def draw_linkage(
         )
         if data is not None:
             data.add("link", points, plain(link.symbol), link.kind)
+        if link.kind == PASSIVE_LEG:
+            sleeves.append((number - 1, *_draw_sleeve(frame, pose, number, look)))
     joints = []
     for number, joint in enumerate(pose.joints, start=1):
         joints.append(
@@ -150,7 +165,33 @@ def draw_linkage(
         )
         if data is not None:
             data.add("joint", [joint.position], plain(joint.symbol), joint.kind)
-    return LinkageArtists(tuple(links), tuple(joints))
+    return LinkageArtists(tuple(links), tuple(joints), tuple(sleeves))
+
+
+def _draw_sleeve(
+    frame: PlaneFrame, pose: Pose, number: int, look: LinkageLook
+) -> tuple[Line2D, float]:
+    """Draw the sleeve in which a link slides; return it and its length in the plane."""
+    length = look.ground * _SLEEVE / frame.scale
+    width = _SLEEVE_WIDTH * look.distal
+    drawn = frame.line(
+        _sleeve_points(pose, pose.links[number - 1], length),
+        f"sleeve-{number}",
+        color=style.SLEEVE,
+        linewidth=width,
+        solid_capstyle="butt",
+        path_effects=style.outlined(width + 2.0 * look.edge),
+        zorder=LINKAGE_LEVEL + 0.02,
+    )
+    return drawn, length
+
+
+def _sleeve_points(pose: Pose, link: Link, length: float) -> FloatArray:
+    """Return the ends of the sleeve of a link, shape (2, 2): from its start, never all of it."""
+    start, end = link_points(pose, link.start, link.end)
+    reach = float(np.hypot(*(end - start)))
+    share = min(length / reach, _SLEEVE_SHARE) if reach > 0.0 else 0.0
+    return np.array([start, start + share * (end - start)])
 
 
 def link_points(pose: Pose, start: int, end: int) -> FloatArray:
@@ -288,7 +329,7 @@ def _draw_angles(frame: PlaneFrame, pose: Pose) -> list[_Angle]:
         frame.line(arc / frame.scale, f"angle-{number}", **thin)
         if abs(angle) * radius > 2.0 * _ARC_HEAD:
             _draw_head(frame, arc[-1], angle + math.copysign(0.5 * math.pi, angle), number)
-        symbol = rf"$\theta_{{{number}}}$"
+        symbol = pose.input_symbols[number - 1]
         found.append(_Angle(symbol, start, radius, 0.5 * angle, (arc, ray)))
     return found
 

@@ -21,7 +21,7 @@ from fivebar_atlas.figures.wording import (
     point_text,
     title_text,
 )
-from fivebar_atlas.mechanisms.planar import PlanarDesign, Pose
+from fivebar_atlas.mechanisms.planar import OUTPUT, PlanarDesign, Pose
 
 # Share of a linkage's extent that is left for labels around it.
 _ROOM = 0.06
@@ -90,30 +90,36 @@ def linkage_figure(
 
 def _facts(design: PlanarDesign, pose: Pose) -> list[str]:
     """Return position, input angles and index of a pose."""
-    return [f"$P$ = {point_text(pose.output, design.unit)}", _inputs(pose), _index(pose)]
+    return [_output(design, pose), _inputs(pose), _index(pose)]
 
 
 def _caption(design: PlanarDesign, pose: Pose, poses: Sequence[Pose]) -> list[str]:
     """Return mode and index of a pose, and what the others do not share with it."""
     shared = all(other.output == pose.output for other in poses)
-    fact = _inputs(pose) if shared else f"$P$ = {point_text(pose.output, design.unit)}"
+    fact = _inputs(pose) if shared else _output(design, pose)
     return [f"{mode_text(pose.mode)}, {_index(pose)}", fact]
 
 
 def _problem(design: PlanarDesign, poses: Sequence[Pose]) -> str:
     """Return what all poses have in common."""
     if all(pose.output == poses[0].output for pose in poses):
-        return f"$P$ = {point_text(poses[0].output, design.unit)}"
+        return _output(design, poses[0])
     return _inputs(poses[0])
+
+
+def _output(design: PlanarDesign, pose: Pose) -> str:
+    """Return the position of the output point."""
+    symbol = next(joint.symbol for joint in pose.joints if joint.kind == OUTPUT)
+    return f"{symbol} = {point_text(pose.output, design.unit)}"
 
 
 def _inputs(pose: Pose) -> str:
     """Return the input angles in degrees."""
     return ", ".join(
-        rf"$\theta_{{{number}}}$ = {number_text(round(math.degrees(angle), 2))}°".replace(
+        f"{symbol} = {number_text(round(math.degrees(angle), 2))}°".replace(
             " ", "\N{NO-BREAK SPACE}"
         )
-        for number, angle in enumerate(pose.inputs, start=1)
+        for symbol, angle in zip(pose.input_symbols, pose.inputs, strict=True)
     )
 
 

@@ -77,8 +77,8 @@ def _facts(pose: Pose, ratio: float) -> list[str]:
     base = number_text(math.sqrt(0.5) * (ratio - 1.0), 5)
     height = number_text(pose.output[1], 5)
     angles = ", ".join(
-        rf"$\theta_{{{number}}}$ = {number_text(round(math.degrees(angle), 2))}°"
-        for number, angle in enumerate(pose.inputs, start=1)
+        f"{symbol} = {number_text(round(math.degrees(angle), 2))}°"
+        for symbol, angle in zip(pose.input_symbols, pose.inputs, strict=True)
     )
     return [
         rf"$l_0 = (l_2-l_1)/\sqrt{{2}}$ = {base} $l_1$",

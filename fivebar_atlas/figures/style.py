@@ -44,6 +44,7 @@ REGION = CURVE_COLOURS["level"]
 WORKSPACE = "#dce9f2"
 GOOD_CONDITION = "#7fb2d3"
 FAINT = "#8c8c8c"
+SLEEVE = "#f2f2f2"
 
 CURVE_WIDTH = 1.0
 
@@ -137,3 +138,8 @@ def halo(width: float = 1.6) -> list[patheffects.AbstractPathEffect]:
         Width of the surround on each side and the line together, in points.
     """
     return [patheffects.withStroke(linewidth=width, foreground="white")]
+
+
+def outlined(width: float) -> list[patheffects.AbstractPathEffect]:
+    """Return the dark outline of a wide line, ``width`` points with the line."""
+    return [patheffects.withStroke(linewidth=width, foreground=INK)]

@@ -12,7 +12,7 @@ import dataclasses
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -149,8 +149,32 @@ class Quantity:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class NormalisedProduct:
+    """A quantity that is the product of others, each normalised over all designs of an atlas.
+
+    Nam and Park (2006), Sec. 6.1: with one factor a normalised index, with several a composed
+    design index (Eq. 31). It exists in an atlas only: a design alone has no extremes.
+
+    Attributes
+    ----------
+    quantity
+        What the product is; it runs over the axes of its factors, and has an error if every
+        factor has one.
+    factors
+        Names of the mechanism's floating-point quantities that are multiplied.
+    normalisation
+        What f is divided by: ``"range"`` is (f - min f)/(max f - min f), ``"largest"`` is
+        f/max f, with the extremes over the designs at the same place of the other axes.
+    """
+
+    quantity: Quantity
+    factors: tuple[str, ...]
+    normalisation: Literal["range", "largest"]
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class ResultArray:
-    """One array that an evaluator returns: a quantity, or the error companion of one.
+    """One array of results: a quantity, or the error companion of one.
 
     Attributes
     ----------
@@ -382,6 +406,8 @@ class Mechanism(ABC):
     design_phrase: str = ""
     #: Everything the evaluator computes, error companions not listed separately.
     quantities: tuple[Quantity, ...]
+    #: What an atlas has besides, from the quantities of all its designs.
+    normalised: tuple[NormalisedProduct, ...] = ()
     #: Canonical labels of all mode pairs, the default first.
     modes: tuple[str, ...]
     #: Names of the design spaces, the default first and the widest last. There may be more,
@@ -389,6 +415,8 @@ class Mechanism(ABC):
     spaces: tuple[str, ...]
     #: Least and largest lattice resolution.
     resolution_range: tuple[int, int]
+    #: Lattice resolution where nothing is said.
+    default_resolution: int = 300
     #: Tightest and loosest tolerance.
     tolerance_range: tuple[float, float] = (1e-10, 1e-3)
     #: What else a sweep may choose, beyond space, mode pairs, thresholds and tolerance.
@@ -510,11 +538,25 @@ class Mechanism(ABC):
     def chart(self, space: str) -> DesignChart:
         """Return how the design space is drawn; its outline is convex."""
 
+    @property
+    def stored_quantities(self) -> tuple[Quantity, ...]:
+        """Everything an atlas has: what the evaluator computes, then normalised products."""
+        return (*self.quantities, *(product.quantity for product in self.normalised))
+
     def result_arrays(self, settings: SweepSettings) -> tuple[ResultArray, ...]:
         """Return what :meth:`evaluate` returns: every quantity, errors after their values."""
+        return self._arrays(self.quantities, settings)
+
+    def stored_arrays(self, settings: SweepSettings) -> tuple[ResultArray, ...]:
+        """Return what an atlas has: the same, then the normalised products."""
+        return self._arrays(self.stored_quantities, settings)
+
+    def _arrays(
+        self, quantities: Sequence[Quantity], settings: SweepSettings
+    ) -> tuple[ResultArray, ...]:
         lengths = {axis.name: len(axis) for axis in self.axes(settings)}
         arrays: list[ResultArray] = []
-        for quantity in self.quantities:
+        for quantity in quantities:
             shape = tuple(lengths[name] for name in quantity.dimensions if name != DESIGN)
             arrays.append(
                 ResultArray(quantity.name, quantity, shape, quantity.dtype, quantity.long_name)
@@ -791,14 +833,14 @@ class Mechanism(ABC):
 
     def quantity(self, name: str) -> Quantity:
         """Return the quantity of this name; raise UnknownNameError."""
-        for quantity in self.quantities:
+        for quantity in self.stored_quantities:
             if quantity.name == name:
                 return quantity
-        raise UnknownNameError("quantity", name, [q.name for q in self.quantities])
+        raise UnknownNameError("quantity", name, [q.name for q in self.stored_quantities])
 
     def kind_of(self, name: str) -> str:
         """Return what a name is here: quantity, parameter or mode pair; empty if it is nothing."""
-        if any(name in (each.name, each.error_name) for each in self.quantities):
+        if any(name in (each.name, each.error_name) for each in self.stored_quantities):
             return "quantity"
         if any(name == each.name for each in self.parameters):
             return "parameter"

@@ -16,8 +16,10 @@ from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
 #: What a joint is.
 ACTUATED, PASSIVE, OUTPUT = "actuated", "passive", "output"
-#: What a link is: the fixed base, driven by an actuator, or driven by other links.
+#: What a link is: the fixed base, driven by an actuator, driven by other links, the platform that
+#: carries the output point, or a leg of variable length that nothing drives.
 BASE, CRANK, DISTAL = "base", "crank", "distal"
+PLATFORM, PASSIVE_LEG = "platform", "passive leg"
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -51,7 +53,7 @@ class Link:
     start, end
         The joints at its ends, as places in the pose's joints.
     kind
-        ``BASE``, ``CRANK`` or ``DISTAL``.
+        ``BASE``, ``CRANK``, ``DISTAL``, ``PLATFORM`` or ``PASSIVE_LEG``.
     """
 
     symbol: str
@@ -62,7 +64,7 @@ class Link:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Pose:
-    """A linkage in one position.
+    r"""A linkage in one position.
 
     Attributes
     ----------
@@ -70,6 +72,8 @@ class Pose:
         The linkage.
     inputs
         Input angles in (-π, π].
+    input_symbols
+        Their notation as mathtext, ``r"$\theta_1$"``.
     mode
         Mode pair it is in, ``"+-/up"``; at a parallel singularity the working mode alone.
     lci
@@ -79,6 +83,7 @@ class Pose:
     joints: tuple[Joint, ...]
     links: tuple[Link, ...]
     inputs: tuple[float, ...]
+    input_symbols: tuple[str, ...]
     mode: str
     lci: float
 
@@ -360,7 +365,8 @@ class PlanarDesign(ABC):
     def lci_inside(self, x: FloatArray, y: FloatArray, mode: str) -> FloatArray:
         """Return the LCI at points of the usable workspace of a mode pair, 0 elsewhere.
 
-        A continuous function of the plane: LCI is 0 on the boundary.
+        Continuous where the boundary is singular, for there LCI is 0; on a boundary that is a
+        limit of a joint it falls to 0 at once.
         """
 
     @abstractmethod

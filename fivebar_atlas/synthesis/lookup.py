@@ -160,9 +160,11 @@ def look_up(atlas: Atlas, lengths: Sequence[float]) -> Lookup:
         raise InputError("design", shown, allowed)
     corners = triangles[found]
     results = mechanism.evaluate(design[np.newaxis], settings)
+    for product in mechanism.normalised:
+        results.update(atlas.normalised(product.quantity.name).arrays(results))
     axes = {axis.name: axis for axis in mechanism.axes(settings)}
     entries = []
-    for quantity in mechanism.quantities:
+    for quantity in mechanism.stored_quantities:
         stored = _rows(atlas, quantity.name, corners)
         for index, labels in _indices([axes[name] for name in quantity.dimensions[1:]]):
             exact = results[quantity.name][(0, *index)]

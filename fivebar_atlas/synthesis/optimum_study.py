@@ -126,7 +126,7 @@ class OptimumStudy:
         """Return the mode pair and the threshold of what depends on them."""
         atlas, candidates = self.atlas, self.candidates
         used: set[str] = set()
-        for array in atlas.mechanism.result_arrays(atlas.settings):
+        for array in atlas.mechanism.stored_arrays(atlas.settings):
             if array.name in self.shown:
                 used.update(array.quantity.dimensions)
         mode = atlas.modes[atlas.mode_index(candidates.mode)] if MODE in used else None

@@ -28,19 +28,20 @@ from fivebar_atlas.mechanisms.five_bar.design_space import (
     sub_region,
 )
 from fivebar_atlas.mechanisms.five_bar.isotropy import MAX_ISOTROPIC, isotropic_points
-from fivebar_atlas.mechanisms.five_bar.loci import isolated_points, mode_label, singular_arcs
-from fivebar_atlas.mechanisms.five_bar.mechanism import (
-    ASSEMBLY_MODES,
-    WORKING_MODES,
-    FiveBarMechanism,
-    mode_signs,
-)
+from fivebar_atlas.mechanisms.five_bar.loci import isolated_points, singular_arcs
+from fivebar_atlas.mechanisms.five_bar.mechanism import FiveBarMechanism
 from fivebar_atlas.mechanisms.five_bar.outline import UsableWorkspace, usable_workspace_of
 from fivebar_atlas.mechanisms.five_bar.path import check_path
 from fivebar_atlas.mechanisms.five_bar.path_least import least_on_path
 from fivebar_atlas.mechanisms.five_bar.poses import forward_poses, inverse_poses, pose_at
 from fivebar_atlas.mechanisms.five_bar.singularity import change_point_cases
 from fivebar_atlas.mechanisms.five_bar.workspace import theoretical_area
+from fivebar_atlas.mechanisms.mode_pairs import (
+    ASSEMBLY_MODES,
+    mode_label,
+    mode_pairs,
+    mode_signs,
+)
 from fivebar_atlas.mechanisms.planar import PathLeast, PathReport, PlanarDesign, Pose
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
@@ -269,7 +270,7 @@ class FiveBar(PlanarDesign):
         UnknownNameError
             If there is no such mode.
         """
-        return singular_arcs(self._lengths, _pairs(mode))
+        return singular_arcs(self._lengths, mode_pairs(mode))
 
     def isolated_singular_points(self) -> tuple[Point, ...]:
         """Return the base joints where r1 = r2: there C_1i and C_2i are points."""
@@ -420,7 +421,7 @@ class FiveBar(PlanarDesign):
         InputError
             If an assembly mode is given and P belongs to the other one.
         """
-        signs = _pairs(mode)
+        signs = mode_pairs(mode)
         found = pose_at(self._lengths, x, y, *signs[0][:2])
         if len(signs) == 1 and "/" in found.mode and found.mode != mode_label(signs[0]):
             raise InputError("P", (x, y), f"a point of {mode_label(signs[0])}; it is {found.mode}")
@@ -557,20 +558,6 @@ def _workspace(
 ) -> UsableWorkspace | None:
     """Return a usable workspace; the last ones are kept."""
     return usable_workspace_of(lengths, signs)
-
-
-def _pairs(mode: str | None) -> tuple[tuple[int, int, int], ...]:
-    """Return all mode pairs, the two of a working mode, or the one that is named."""
-    if mode is None:
-        labels = _MECHANISM.modes
-    elif "/" in mode:
-        labels = (_MECHANISM.parse_mode(mode),)
-    else:
-        try:
-            labels = tuple(_MECHANISM.parse_mode(f"{mode}/{name}") for name in ("up", "down"))
-        except UnknownNameError:
-            raise UnknownNameError("mode", mode, WORKING_MODES.meanings) from None
-    return tuple(mode_signs(label) for label in labels)
 
 
 def _points(

@@ -51,6 +51,7 @@ from fivebar_atlas.mechanisms.five_bar.singularity import (
     radius_along,
 )
 from fivebar_atlas.mechanisms.five_bar.workspace import POINT_RADIUS, is_degenerate
+from fivebar_atlas.mechanisms.mode_pairs import Signs, mode_label
 from fivebar_atlas.planar_geometry import (
     BOTH,
     CLOSED,
@@ -107,8 +108,6 @@ CURVE_OF = {
 }
 
 Lengths = tuple[float, float, float]
-#: Working mode and assembly mode as ±1.
-Signs = tuple[int, int, int]
 
 # Points closer than this are one (lengths sum to 3).
 _SAME = 1e-9
@@ -119,13 +118,6 @@ _AT_ORIGIN = 1e-3
 # How far beside an arc det B is looked at where it has no slope across it.
 _ASIDE = 1e-3
 _WORKING_MODES = ((1, -1), (-1, 1), (1, 1), (-1, -1))
-_LETTER = {1: "+", -1: "-"}
-_ASSEMBLY = {1: "up", -1: "down"}
-
-
-def mode_label(signs: Signs) -> str:
-    """Return a mode pair as it is written, ``"+-/up"``."""
-    return f"{_LETTER[signs[0]]}{_LETTER[signs[1]]}/{_ASSEMBLY[signs[2]]}"
 
 
 def singular_arcs(lengths: Lengths, pairs: Collection[Signs]) -> tuple[NamedArc, ...]:

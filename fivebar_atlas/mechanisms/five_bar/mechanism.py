@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.errors import UnknownNameError
 from fivebar_atlas.mechanisms.base import (
     DESIGN,
     MODE,
     THRESHOLD,
     Axis,
-    AxisColumn,
     BoolArray,
     DesignChart,
     Flags,
@@ -29,6 +27,12 @@ from fivebar_atlas.mechanisms.base import (
     plain,
 )
 from fivebar_atlas.mechanisms.five_bar import design_space
+from fivebar_atlas.mechanisms.mode_pairs import (
+    MODE_PAIRS,
+    mode_and_threshold_axes,
+    mode_signs,
+    parse_mode_pair,
+)
 
 if TYPE_CHECKING:
     from fivebar_atlas.mechanisms.planar import (
@@ -37,10 +41,6 @@ if TYPE_CHECKING:
         PlacementScan,
         PlanarDesign,
     )
-
-#: Codes of the columns that name a mode pair. An assembly mode is the sign of det B.
-WORKING_MODES = Flags(values=(0, 1, 2, 3), meanings=("+-", "-+", "++", "--"))
-ASSEMBLY_MODES = Flags(values=(1, -1), meanings=("up", "down"))
 
 #: Why a value is not a number, or not as accurate as asked for.
 STATUS = Flags(
@@ -54,15 +54,6 @@ STATUS = Flags(
     ),
     masks=True,
 )
-
-_LETTERS = str.maketrans("pm−", "+--")
-
-
-def mode_signs(label: str) -> tuple[int, int, int]:
-    """Return (s1, s2, sign of det B) of a canonical mode label, each +1 or -1."""
-    working, _, assembly = label.partition("/")
-    s1, s2 = (1 if sign == "+" else -1 for sign in working)
-    return s1, s2, ASSEMBLY_MODES.values[ASSEMBLY_MODES.meanings.index(assembly)]
 
 
 class FiveBarMechanism(Mechanism):
@@ -186,33 +177,13 @@ class FiveBarMechanism(Mechanism):
             has_error=True,
         ),
     )
-    modes = tuple(
-        f"{working}/{assembly}"
-        for working in WORKING_MODES.meanings
-        for assembly in ASSEMBLY_MODES.meanings
-    )
+    modes = MODE_PAIRS
     spaces = design_space.SPACES
     resolution_range = (3, 5000)
 
     def parse_mode(self, text: str) -> str:
-        """Return the canonical label of a mode pair.
-
-        Parameters
-        ----------
-        text
-            Working mode and assembly mode, ``"+-/up"`` or in letters ``"pm/up"``, in
-            either case.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is no such mode pair.
-        """
-        working, slash, assembly = text.strip().lower().partition("/")
-        label = working.translate(_LETTERS) + slash + assembly
-        if label not in self.modes:
-            raise UnknownNameError("mode", text, self.modes)
-        return label
+        """Return the canonical label of a mode pair; see :func:`parse_mode_pair`."""
+        return parse_mode_pair(text)
 
     def lattice(self, space: str, resolution: int) -> FloatArray:
         """Return every design of the lattice; see :func:`design_space.lattice`."""
@@ -224,34 +195,7 @@ class FiveBarMechanism(Mechanism):
 
     def axes(self, settings: SweepSettings) -> tuple[Axis, ...]:
         """Return the mode axis and the threshold axis."""
-        pairs = [label.split("/") for label in settings.modes]
-        mode = Axis(
-            name=MODE,
-            labels=settings.modes,
-            columns=(
-                _flag_column("working_mode", "working mode", WORKING_MODES, [p[0] for p in pairs]),
-                _flag_column(
-                    "assembly_mode",
-                    "assembly mode, the sign of det B",
-                    ASSEMBLY_MODES,
-                    [p[1] for p in pairs],
-                ),
-            ),
-        )
-        thresholds = settings.lci_thresholds
-        threshold = Axis(
-            name=THRESHOLD,
-            labels=tuple(f"{value!r}" for value in thresholds),
-            columns=(
-                AxisColumn(
-                    "lci_threshold",
-                    np.array(thresholds, dtype=np.float64),
-                    "1",
-                    "least local conditioning index of the good-condition workspace",
-                ),
-            ),
-        )
-        return mode, threshold
+        return mode_and_threshold_axes(settings.modes, settings.lci_thresholds, "det B")
 
     def evaluate(
         self, parameters: FloatArray, settings: SweepSettings
@@ -449,9 +393,3 @@ class FiveBarMechanism(Mechanism):
             "mic_upper": self._inscribed_circle(results, mode, "upper", factor),
             "mic_lower": self._inscribed_circle(results, mode, "lower", factor),
         }
-
-
-def _flag_column(name: str, long_name: str, flags: Flags, meanings: Sequence[str]) -> AxisColumn:
-    """Return the column of an axis that holds one code for each meaning."""
-    codes = [flags.values[flags.meanings.index(meaning)] for meaning in meanings]
-    return AxisColumn(name, np.array(codes, dtype=np.int8), "1", long_name, flags)

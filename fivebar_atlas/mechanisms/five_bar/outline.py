@@ -27,7 +27,6 @@ from fivebar_atlas.mechanisms.five_bar.loci import (
     REACH_2I,
     REACH_2O,
     Lengths,
-    Signs,
     polar_point,
     snapped,
     snapped_end,
@@ -41,6 +40,7 @@ from fivebar_atlas.mechanisms.five_bar.workspace import (
     Decomposition,
     usable_workspace,
 )
+from fivebar_atlas.mechanisms.mode_pairs import Signs
 from fivebar_atlas.mechanisms.planar import Workspace
 from fivebar_atlas.numerics.records import allocate_record
 from fivebar_atlas.planar_geometry import (

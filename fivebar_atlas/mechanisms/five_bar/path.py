@@ -41,13 +41,12 @@ from fivebar_atlas.mechanisms.five_bar.loci import (
     REACH_2O,
     Curve,
     Lengths,
-    Signs,
     isolated_points,
-    mode_label,
 )
 from fivebar_atlas.mechanisms.five_bar.outline import UsableWorkspace, usable_workspace_of
 from fivebar_atlas.mechanisms.five_bar.points import elbows_at, inverse_at, lci_at
 from fivebar_atlas.mechanisms.five_bar.singularity import fold_height
+from fivebar_atlas.mechanisms.mode_pairs import Signs, mode_label
 from fivebar_atlas.mechanisms.planar import PathFault, PathReport
 from fivebar_atlas.planar_geometry import Point
 

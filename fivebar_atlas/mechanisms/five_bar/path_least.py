@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
 from fivebar_atlas.mechanisms.base import FloatArray
-from fivebar_atlas.mechanisms.five_bar.loci import Lengths, Signs, mode_label
+from fivebar_atlas.mechanisms.five_bar.loci import Lengths
 from fivebar_atlas.mechanisms.five_bar.outline import usable_workspace_of
 from fivebar_atlas.mechanisms.five_bar.path import (
     boundary_distances,
@@ -19,6 +19,7 @@ from fivebar_atlas.mechanisms.five_bar.path import (
     columns,
 )
 from fivebar_atlas.mechanisms.five_bar.points import lci_at
+from fivebar_atlas.mechanisms.mode_pairs import Signs, mode_label
 from fivebar_atlas.mechanisms.planar import PathLeast
 
 _GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))

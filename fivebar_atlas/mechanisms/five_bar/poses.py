@@ -11,7 +11,8 @@ import math
 from fivebar_atlas.errors import InputError, OutOfReachError
 from fivebar_atlas.mechanisms.five_bar.jacobian import distal_products, lci
 from fivebar_atlas.mechanisms.five_bar.kinematics import elbow, forward, inverse
-from fivebar_atlas.mechanisms.five_bar.loci import Lengths, mode_label
+from fivebar_atlas.mechanisms.five_bar.loci import Lengths
+from fivebar_atlas.mechanisms.mode_pairs import mode_label
 from fivebar_atlas.mechanisms.planar import (
     ACTUATED,
     BASE,
@@ -27,6 +28,7 @@ from fivebar_atlas.planar_geometry import Point
 
 # A distance beyond reach that is no more than rounding (lengths sum to 3).
 _ROUNDING = 1e-12
+_INPUT_SYMBOLS = (r"$\theta_1$", r"$\theta_2$")
 _LINKS = (
     Link("$r_3$", 0, 1, BASE),
     Link("$r_1$", 0, 2, CRANK),
@@ -140,4 +142,4 @@ def _pose(
         Joint("$B_2$", b2, PASSIVE),
         Joint("$P$", p, OUTPUT),
     )
-    return Pose(joints, _LINKS, inputs, mode, index)
+    return Pose(joints, _LINKS, inputs, _INPUT_SYMBOLS, mode, index)

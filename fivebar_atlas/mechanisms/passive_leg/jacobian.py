@@ -21,6 +21,37 @@ TINY = 1e-290
 
 
 @kernel
+def scaled_matrices(
+    base: float, platform: float, l_a: float, l_b: float, length: float, c: float, s: float,
+    elbow1: float, elbow2: float,
+) -> tuple[float, float, float, float, float, float]:  # fmt: skip
+    """Return J_q,11, J_q,22 and the rows of l J_x in the axes u and w of the platform.
+
+    Parameters
+    ----------
+    base, platform, l_a, l_b
+        R, r and the lengths of the lower and the upper links.
+    length, c, s
+        Length of the passive leg; cosine and sine of its angle.
+    elbow1, elbow2
+        Elbows as for :func:`kinematics.lower_link`.
+    """
+    e1, f1 = leg_vector(base, platform, length, c, s, 1.0)
+    e2, f2 = leg_vector(base, platform, length, c, s, -1.0)
+    a1, b1 = lower_link(l_a, l_b, e1, f1, elbow1)
+    a2, b2 = lower_link(l_a, l_b, e2, f2, elbow2)
+    p1, q1, p2, q2 = e1 - a1, f1 - b1, e2 - a2, f2 - b2
+    return (
+        a1 * q1 - b1 * p1,
+        a2 * q2 - b2 * p2,
+        length * p1 - platform * q1,
+        length * q1,
+        length * p2 + platform * q2,
+        length * q2,
+    )
+
+
+@kernel
 def matrices_in_platform_axes(
     base: float, platform: float, l_a: float, l_b: float, length: float, theta: float,
     elbow1: float, elbow2: float,
@@ -33,13 +64,48 @@ def matrices_in_platform_axes(
         As for :func:`kinematics.inverse`; the length of the passive leg is not zero.
     """
     c, s = math.cos(theta), math.sin(theta)
-    e1, f1 = leg_vector(base, platform, length, c, s, 1.0)
-    e2, f2 = leg_vector(base, platform, length, c, s, -1.0)
-    a1, b1 = lower_link(l_a, l_b, e1, f1, elbow1)
-    a2, b2 = lower_link(l_a, l_b, e2, f2, elbow2)
-    p1, q1, p2, q2 = e1 - a1, f1 - b1, e2 - a2, f2 - b2
-    arm = platform / length
-    return a1 * q1 - b1 * p1, a2 * q2 - b2 * p2, p1 - arm * q1, q1, p2 + arm * q2, q2
+    j1, j2, m11, m12, m21, m22 = scaled_matrices(
+        base, platform, l_a, l_b, length, c, s, elbow1, elbow2
+    )
+    return j1, j2, m11 / length, m12 / length, m21 / length, m22 / length
+
+
+@kernel
+def local_indices(
+    base: float, platform: float, l_a: float, l_b: float, length: float, c: float, s: float,
+    elbow1: float, elbow2: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Return LCI = σ_min/σ_max of J = J_q⁻¹ J_x, and the manipulability |det J_q / det J_x|.
+
+    With T = 2 |j11 j22 det J_x| and S the sum of the squares of all entries of J, each times
+    (j11 j22)², the LCI is T / (S + √(S² - T²)). The manipulability is that of C for unit input
+    rates, in squares of lengths.
+
+    Parameters
+    ----------
+    base, platform, l_a, l_b, length, c, s, elbow1, elbow2
+        As for :func:`scaled_matrices`.
+
+    Returns
+    -------
+    tuple of float
+        LCI in [0, 1], 0 at every singularity. Manipulability, 0 at serial singularities; where
+        J_x is singular it is infinite in theory, and larger than any other value here.
+    """
+    j1, j2, m11, m12, m21, m22 = scaled_matrices(
+        base, platform, l_a, l_b, length, c, s, elbow1, elbow2
+    )
+    row1 = j2 * j2 * (m11 * m11 + m12 * m12)
+    row2 = j1 * j1 * (m21 * m21 + m22 * m22)
+    det = abs(m11 * m22 - m12 * m21)
+    areas = abs(j1 * j2)
+    dot = j1 * j2 * (m11 * m21 + m12 * m22)
+    # S² - T² is that of rows of different lengths and of rows that are not perpendicular
+    rest = (row1 - row2) * (row1 - row2) + 4.0 * dot * dot
+    return (
+        2.0 * areas * det / (row1 + row2 + math.sqrt(rest) + TINY),
+        areas * length * length / (det + TINY),
+    )
 
 
 @kernel
@@ -47,27 +113,9 @@ def lci(
     base: float, platform: float, l_a: float, l_b: float, length: float, theta: float,
     elbow1: float, elbow2: float,
 ) -> float:  # fmt: skip
-    """Return the local conditioning index σ_min/σ_max of J = J_q⁻¹ J_x.
-
-    With T = 2 |j11 j22 det J_x| and S the sum of the squares of all entries of J, each times
-    (j11 j22)², it is T / (S + √(S² - T²)).
-
-    Returns
-    -------
-    float
-        In [0, 1]; 0 at every singularity.
-    """
-    j1, j2, m11, m12, m21, m22 = matrices_in_platform_axes(
-        base, platform, l_a, l_b, length, theta, elbow1, elbow2
-    )
-    row1 = j2 * j2 * (m11 * m11 + m12 * m12)
-    row2 = j1 * j1 * (m21 * m21 + m22 * m22)
-    total = row1 + row2
-    cross = abs(j1 * j2 * (m11 * m22 - m12 * m21))
-    dot = j1 * j2 * (m11 * m21 + m12 * m22)
-    # S² - T² is that of rows of different lengths and of rows that are not perpendicular
-    rest = (row1 - row2) * (row1 - row2) + 4.0 * dot * dot
-    return 2.0 * cross / (total + math.sqrt(rest) + TINY)
+    """Return the LCI of a pose given by its angle; see :func:`local_indices`."""
+    c, s = math.cos(theta), math.sin(theta)
+    return local_indices(base, platform, l_a, l_b, length, c, s, elbow1, elbow2)[0]
 
 
 @kernel
@@ -75,11 +123,6 @@ def manipulability(
     base: float, platform: float, l_a: float, l_b: float, length: float, theta: float,
     elbow1: float, elbow2: float,
 ) -> float:  # fmt: skip
-    """Return |det J_q / det J_x|, the velocity manipulability of C for unit input rates.
-
-    Infinite where J_x is singular; zero where J_q is.
-    """
-    j1, j2, m11, m12, m21, m22 = matrices_in_platform_axes(
-        base, platform, l_a, l_b, length, theta, elbow1, elbow2
-    )
-    return abs(j1 * j2) / (abs(m11 * m22 - m12 * m21) + TINY)
+    """Return the manipulability of a pose given by its angle; see :func:`local_indices`."""
+    c, s = math.cos(theta), math.sin(theta)
+    return local_indices(base, platform, l_a, l_b, length, c, s, elbow1, elbow2)[1]

@@ -53,17 +53,24 @@ def leg_vector(
 
 
 @kernel
-def reaches(
-    base: float, platform: float, l_a: float, l_b: float, length: float, theta: float
+def reaches_at(
+    base: float, platform: float, l_a: float, l_b: float, length: float, c: float, s: float
 ) -> bool:
-    """Tell whether both legs reach a pose: the workspace without limits, borders included."""
-    c, s = math.cos(theta), math.sin(theta)
+    """Tell whether both legs reach a pose, borders included, from cosine and sine of its angle."""
     e1, f1 = leg_vector(base, platform, length, c, s, 1.0)
     e2, f2 = leg_vector(base, platform, length, c, s, -1.0)
     return (
         squared_four_areas(l_a, l_b, e1 * e1 + f1 * f1) >= 0.0
         and squared_four_areas(l_a, l_b, e2 * e2 + f2 * f2) >= 0.0
     )
+
+
+@kernel
+def reaches(
+    base: float, platform: float, l_a: float, l_b: float, length: float, theta: float
+) -> bool:
+    """Tell whether both legs reach a pose: the workspace without limits, borders included."""
+    return reaches_at(base, platform, l_a, l_b, length, math.cos(theta), math.sin(theta))
 
 
 @kernel

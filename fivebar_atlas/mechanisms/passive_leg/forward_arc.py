@@ -1,0 +1,235 @@
+"""The curve of C where J_x is singular: the second kind of singularity (Sec. 5.2, Eq. 24).
+
+With χ_i the direction of the upper link of leg i in platform axes, it is where
+
+    f / l_b² = l sin(χ2 - χ1) - 2 r sin χ1 sin χ2 = 0,
+    g_i = (e_i - l_b cos χ_i)² + (f_i - l_b sin χ_i)² - l_a² = 0,
+
+(e_i, f_i) = (σ (r - R cos θ), l + σ R sin θ): three equations for (l, θ, χ1, χ2), smooth also
+where a leg is stretched or folded and the curve passes from one working mode to another. It has no
+closed form. It is followed from point to point along its tangent; every point, and every one asked
+for between them, is moved onto it by Newton's method.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import itertools
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from fivebar_atlas.mechanisms.passive_leg.points import Lengths
+from fivebar_atlas.planar_geometry import Arc, FloatArray, Point, mirror
+
+# Newton steps, and the residual, for R = 1, at which they end.
+_STEPS, _RESIDUAL = 12, 1e-15
+# Chords of a stretch between two nodes from which its swept area is extrapolated.
+_CHORDS = 8
+
+
+def residuals(lengths: Lengths, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return f / l_b², g_1 and g_2, and their derivatives by l, θ, χ1 and χ2.
+
+    Parameters
+    ----------
+    lengths
+        R, r, l_a, l_b.
+    nodes
+        l, θ, χ1, χ2, shape (n, 4).
+
+    Returns
+    -------
+    values : ndarray
+        Shape (n, 3).
+    slopes : ndarray
+        Shape (n, 3, 4).
+    """
+    base, platform, l_a, l_b = lengths
+    length, theta, *chi = nodes.T
+    values, slopes = np.empty((len(nodes), 3)), np.zeros((len(nodes), 3, 4))
+    sines, cosines = np.sin(chi), np.cos(chi)
+    turn = chi[1] - chi[0]
+    values[:, 0] = length * np.sin(turn) - 2.0 * platform * sines[0] * sines[1]
+    slopes[:, 0, 0] = np.sin(turn)
+    slopes[:, 0, 2] = -length * np.cos(turn) - 2.0 * platform * cosines[0] * sines[1]
+    slopes[:, 0, 3] = length * np.cos(turn) - 2.0 * platform * sines[0] * cosines[1]
+    for place, leg in enumerate((1.0, -1.0)):
+        e = leg * (platform - base * np.cos(theta))
+        f = length + leg * base * np.sin(theta)
+        a, b = e - l_b * cosines[place], f - l_b * sines[place]
+        values[:, 1 + place] = a * a + b * b - l_a * l_a
+        slopes[:, 1 + place, 0] = 2.0 * b
+        slopes[:, 1 + place, 1] = 2.0 * leg * base * (a * np.sin(theta) + b * np.cos(theta))
+        slopes[:, 1 + place, 2 + place] = 2.0 * l_b * (a * sines[place] - b * cosines[place])
+    return values, slopes
+
+
+def elbow_sides(lengths: Lengths, nodes: FloatArray) -> FloatArray:
+    """Return f_i cos χ_i - e_i sin χ_i, positive for elbows as +1, zero for straight legs."""
+    base, platform, _, _ = lengths
+    length, theta, *chi = nodes.T
+    sides = []
+    for angle, leg in zip(chi, (1.0, -1.0), strict=True):
+        e = leg * (platform - base * np.cos(theta))
+        f = length + leg * base * np.sin(theta)
+        sides.append(f * np.cos(angle) - e * np.sin(angle))
+    return np.stack(sides, axis=1)
+
+
+def moved_onto(lengths: Lengths, nodes: FloatArray) -> FloatArray:
+    """Return the points of the curve that Newton's method of least steps finds, shape (n, 4)."""
+    for _ in range(_STEPS):
+        values, slopes = residuals(lengths, nodes)
+        if np.max(np.abs(values), initial=0.0) <= _RESIDUAL:
+            break
+        squares = slopes @ slopes.transpose(0, 2, 1)
+        shares = np.linalg.solve(squares, values[:, :, None])
+        nodes = nodes - (slopes.transpose(0, 2, 1) @ shares)[:, :, 0]
+    return nodes
+
+
+def solved(
+    lengths: Lengths, node: FloatArray, condition: Callable[[FloatArray], tuple[float, FloatArray]]
+) -> FloatArray:
+    """Return the point of the curve next to a node at which a fourth condition holds.
+
+    Parameters
+    ----------
+    lengths
+        R, r, l_a, l_b.
+    node
+        Where to start, shape (4,).
+    condition
+        Takes a node; returns what is to vanish, and its derivatives, shape (4,).
+    """
+    for _ in range(_STEPS):
+        values, slopes = residuals(lengths, node[None])
+        value, slope = condition(node)
+        right = np.append(values[0], value)
+        node = node - np.linalg.solve(np.vstack([slopes[0], slope]), right)
+        if np.max(np.abs(right)) <= _RESIDUAL:
+            break
+    return node
+
+
+def tangent(slopes: FloatArray) -> FloatArray:
+    """Return the unit vector that all derivatives, shape (3, 4), are normal to."""
+    signs = (1.0, -1.0, 1.0, -1.0)
+    minors = [np.linalg.det(np.delete(slopes, column, axis=1)) for column in range(4)]
+    vector = np.array(signs) * np.array(minors)
+    return np.asarray(vector / np.linalg.norm(vector))
+
+
+def plane_points(nodes: FloatArray) -> FloatArray:
+    """Return C, shape (n, 2), of nodes, shape (n, 4)."""
+    length, theta = nodes[:, 0], nodes[:, 1]
+    return np.column_stack([-length * np.sin(theta), length * np.cos(theta)])
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class ForwardArc(Arc):
+    """An arc of the curve where J_x is singular.
+
+    Attributes
+    ----------
+    lengths
+        R, r, l_a, l_b.
+    nodes
+        Points on the curve in order, l, θ, χ1, χ2, the angles continuous, shape (n, 4), n at
+        least 2; close enough that a cubic spline tells the curve between them.
+    start, end
+        End points; other arcs that meet this one there have the very same.
+    factor
+        What the curve is multiplied by.
+    """
+
+    lengths: Lengths
+    nodes: FloatArray
+    start: Point
+    end: Point
+    factor: float = 1.0
+
+    @classmethod
+    def through(cls, lengths: Lengths, nodes: FloatArray) -> ForwardArc:
+        """Return the arc through nodes on the curve."""
+        ends = plane_points(nodes[[0, -1]])
+        start, end = ((float(x), float(y)) for x, y in ends)
+        return cls(lengths, nodes, start, end)
+
+    def at(self, shares: FloatArray) -> FloatArray:
+        """Return l, θ, χ1, χ2 at shares of the arc, shape (n, 4)."""
+        from scipy.interpolate import CubicSpline
+
+        guess = CubicSpline(self._places, self.nodes)(np.clip(shares, 0.0, 1.0))
+        return moved_onto(self.lengths, guess)
+
+    @functools.cached_property
+    def _places(self) -> FloatArray:
+        """Shares of the nodes: of the chords between them."""
+        chords = np.linalg.norm(np.diff(self.nodes, axis=0), axis=1)
+        places = np.concatenate([[0.0], np.cumsum(chords)])
+        return np.asarray(places / places[-1])
+
+    def points(self, shares: FloatArray) -> FloatArray:
+        """Return exact points at shares of the arc."""
+        return np.asarray(self.factor * plane_points(self.at(np.asarray(shares))))
+
+    def swept_area(self) -> float:
+        """Return ½ ∫ (x dy - y dx), to some 1e-12 of the squared lengths.
+
+        Between nodes it is extrapolated from those of one, two, four and eight chords, whose
+        differences from it are series in the squared chord (Romberg).
+        """
+        start, end = self._places[:-1, None], self._places[1:, None]
+        shares = start + (end - start) * np.linspace(0.0, 1.0, _CHORDS + 1)
+        line = self._with_exact_ends(self.points(shares.ravel()))
+        x, y = line.reshape(*shares.shape, 2).transpose(2, 0, 1)
+        areas = []
+        for step in (8, 4, 2, 1):
+            u, v = x[:, ::step], y[:, ::step]
+            areas.append(0.5 * (u[:, :-1] * v[:, 1:] - u[:, 1:] * v[:, :-1]).sum(axis=1))
+        for order in (4.0, 16.0, 64.0):
+            areas = [
+                (order * fine - coarse) / (order - 1.0)
+                for coarse, fine in itertools.pairwise(areas)
+            ]
+        return math.fsum(areas[0])
+
+    def followed_by(self, other: ForwardArc) -> ForwardArc:
+        """Return this arc and the one that goes on where it ends as one."""
+        shift = np.zeros(4)
+        shift[2:] = (
+            2.0 * math.pi * np.round((self.nodes[-1, 2:] - other.nodes[0, 2:]) / 2 / math.pi)
+        )
+        nodes = np.vstack([self.nodes, other.nodes[1:] + shift])
+        return dataclasses.replace(self, nodes=nodes, end=other.end)
+
+    def reversed(self) -> ForwardArc:
+        """Return the arc run through the other way."""
+        return dataclasses.replace(self, nodes=self.nodes[::-1], start=self.end, end=self.start)
+
+    def scaled(self, factor: float) -> ForwardArc:
+        """Return the arc with all lengths times a positive factor."""
+        return dataclasses.replace(
+            self,
+            start=(factor * self.start[0], factor * self.start[1]),
+            end=(factor * self.end[0], factor * self.end[1]),
+            factor=factor * self.factor,
+        )
+
+    def mirrored(self, x: bool, y: bool) -> ForwardArc:
+        """Return the image: x → -x exchanges the legs; y → -y takes l to -l."""
+        length, theta, chi1, chi2 = self.nodes.T
+        if x:
+            theta, chi1, chi2 = -theta, math.pi - chi2, math.pi - chi1
+        if y:
+            length, theta, chi1, chi2 = -length, -theta, -chi1, -chi2
+        return dataclasses.replace(
+            self,
+            nodes=np.column_stack([length, theta, chi1, chi2]),
+            start=mirror(self.start, x, y),
+            end=mirror(self.end, x, y),
+        )
