@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from fivebar_atlas.errors import InputError, UnknownNameError
+from fivebar_atlas.errors import InputError
 from fivebar_atlas.figures import style
 from fivebar_atlas.figures.category_map import category_map, magnitude_map
 from fivebar_atlas.figures.charted_designs import ChartedDesigns
@@ -317,7 +317,7 @@ def stored_array(atlas: Atlas, name: str) -> ResultArray:
     """
     arrays = {array.name: array for array in atlas.mechanism.stored_arrays(atlas.settings)}
     if name not in arrays:
-        raise UnknownNameError("quantity", name, arrays)
+        raise atlas.unknown("quantity", name, arrays)
     return arrays[name]
 
 

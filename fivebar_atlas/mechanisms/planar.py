@@ -10,6 +10,7 @@ import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
+from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError
 from fivebar_atlas.mechanisms.base import FloatArray, Options
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
@@ -197,7 +198,7 @@ class OptimalConfiguration:
     Attributes
     ----------
     lengths
-        One length for each parameter of the mechanism, the first one 1.
+        The lengths of the mechanism, the first one 1.
     output
         Position of the output point.
     mode
@@ -317,11 +318,11 @@ class PlanarDesign(ABC):
     @property
     @abstractmethod
     def parameters(self) -> tuple[tuple[str, float], ...]:
-        """Symbol and length of every parameter."""
+        """Symbol and value of every length of the mechanism, in its order.
 
-    def dimensional_symbol(self, symbol: str) -> str:
-        """Return the notation of a length of the machine; here it is that of the design."""
-        return symbol
+        They are those of its ``proportions`` where the unit is empty, of its ``lengths``
+        otherwise.
+        """
 
     @property
     @abstractmethod
@@ -332,6 +333,14 @@ class PlanarDesign(ABC):
     @abstractmethod
     def factor(self) -> float:
         """Dimensional factor D in that unit; 1 where lengths are non-dimensional."""
+
+    @property
+    def named_lengths(self) -> dict[str, float]:
+        """Value of every length by its name: ``"R1"``, or ``"r1"`` where the unit is empty."""
+        own = mechanisms.get(self.mechanism)
+        names = [each.name for each in (own.lengths if self.unit else own.proportions)]
+        values = [value for _, value in self.parameters]
+        return dict(zip(names, values, strict=True))
 
     @property
     def options(self) -> Options:

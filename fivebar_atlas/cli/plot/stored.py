@@ -232,7 +232,7 @@ def region(
     "quantities",
     required=True,
     metavar="A,B",
-    help="Two quantities, such as 'usable_workspace_area,gci'; '-r3' or 'r3:min' for less.",
+    help="Two quantities, such as 'usable_workspace_area,gci'; '-NAME' or 'NAME:min' for less.",
 )
 @click.option(
     "--where", "wheres", multiple=True, metavar="CONDITION", help="A condition; repeatable."
@@ -277,7 +277,8 @@ def pareto(
     with open_atlas(file) as atlas, options.asked_to_choose():
         check_conditions(conditions, atlas)
         check_contradictions(conditions)
-        directions = parse_directions(quantities, condition_names(atlas), "--pareto")
+        known = condition_names(atlas)
+        directions = parse_directions(quantities, known, "--pareto", atlas.unknown)
         if len(directions) != 2:
             raise InputError("--pareto", quantities, "two quantities, the axes of the figure")
         candidates = Candidates(atlas, conditions, mode, lci)

@@ -65,6 +65,10 @@ class PassiveLegMechanism(Mechanism):
         Parameter("l_a", "$l_a$", "1", "lower link length"),
         Parameter("l_b", "$l_b$", "1", "upper link length"),
     )
+    lengths = (Parameter("R", "$R$", "1", "half the distance of the base joints"), *parameters)
+    proportions = lengths
+    factor_phrase = "R"
+    design_phrase = "R = 1"
     quantities = (
         Quantity(
             "workspace_area",
@@ -317,6 +321,10 @@ class PassiveLegMechanism(Mechanism):
         """Return which designs have links: all lengths are above 0, and the margin."""
         return np.asarray(np.all(parameters > margin, axis=1))
 
+    def proportions_of(self, parameters: FloatArray) -> FloatArray:
+        """Return R = 1 and the parameters."""
+        return np.insert(parameters, 0, 1.0, axis=1)
+
     def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
         """Scale R, r, l_a and l_b by D = R.
 
@@ -327,10 +335,9 @@ class PassiveLegMechanism(Mechanism):
             pose, or R is so large or small that areas overflow.
         """
         self.check_count(lengths)
-        names = ("R", *design_space.NAMES)
-        for name, value in zip(names, lengths, strict=True):
+        for each, value in zip(self.lengths, lengths, strict=True):
             if not (math.isfinite(value) and value > 0.0):
-                raise InputError(name, value, "a finite length above 0")
+                raise InputError(each.name, value, "a finite length above 0")
         base, r, l_a, l_b = (float(value) for value in lengths)
         least, greatest = FACTOR_RANGE
         if not least <= base <= greatest:
