@@ -22,6 +22,7 @@ from fivebar_atlas.mechanisms.base import (
     IntArray,
     Mechanism,
     NormalisedProduct,
+    Options,
     Parameter,
     Quantity,
     SweepOption,
@@ -34,6 +35,9 @@ from fivebar_atlas.mechanisms.mode_pairs import (
     parse_mode_pair,
 )
 from fivebar_atlas.mechanisms.passive_leg import design_space
+
+if TYPE_CHECKING:
+    from fivebar_atlas.mechanisms.planar import PlanarDesign
 
 if TYPE_CHECKING:
     pass
