@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import os
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,11 +23,9 @@ from fivebar_atlas.mechanisms.base import (
     DEFAULT_LCI_THRESHOLDS,
     DEFAULT_TOLERANCE,
     Mechanism,
+    Options,
     SweepSettings,
 )
-
-#: Number of lattice steps where nothing is said.
-DEFAULT_RESOLUTION = 300
 
 #: Far above any machine's number of cores, so that a slip of the keyboard is caught.
 MOST_THREADS = 1024
@@ -41,6 +39,7 @@ _EXPECTED = {
     "string_type": "a text in quotation marks",
     "list_type": "a list in square brackets",
     "model_type": "a table",
+    "dict_type": "a table",
 }
 
 
@@ -54,6 +53,7 @@ class SweepSection(BaseModel):
     mode: list[str] | None = None
     lci: list[float] | None = None
     tolerance: float | None = None
+    options: dict[str, Any] | None = None
 
 
 class RunSection(BaseModel):
@@ -85,6 +85,7 @@ class Overrides:
     mode: tuple[str, ...] | None = None
     lci: tuple[float, ...] | None = None
     tolerance: float | None = None
+    options: Mapping[str, object] | None = None
     threads: int | None = None
     output: str | None = None
 
@@ -191,7 +192,12 @@ def settings_from_text(text: str, source: str) -> SweepSettings:
 
 
 def render_settings(settings: SweepSettings) -> str:
-    """Return the settings as canonical TOML: equal settings give equal text."""
+    """Return the settings as canonical TOML: equal settings give equal text.
+
+    Options of the mechanism have a table of their own, all of them; without any there is none.
+    """
+    options = mechanisms.get(settings.mechanism).complete_options(settings.options)
+    table = "".join(f"{name} = {_toml_value(value)}\n" for name, value in options)
     modes = ", ".join(_toml_text(label) for label in settings.modes)
     thresholds = ", ".join(repr(float(value)) for value in settings.lci_thresholds)
     return (
@@ -203,7 +209,7 @@ def render_settings(settings: SweepSettings) -> str:
         f"mode = [{modes}]\n"
         f"lci = [{thresholds}]\n"
         f"tolerance = {float(settings.tolerance)!r}\n"
-    )
+    ) + (f"\n[sweep.options]\n{table}" if table else "")
 
 
 def render(configuration: Configuration) -> str:
@@ -282,13 +288,12 @@ def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Config
         raise UnknownNameError(name, chosen, mechanisms.names())
     mechanism: Mechanism = mechanisms.get(chosen)
 
-    least, greatest = mechanism.resolution_range
-    fitting = min(max(DEFAULT_RESOLUTION, least), greatest)
-    resolution, name = pick("resolution", overrides.resolution, sweep.resolution, fitting)
+    default = mechanism.default_resolution
+    resolution, name = pick("resolution", overrides.resolution, sweep.resolution, default)
     mechanism.check_resolution(resolution, name)
 
     space, name = pick("space", overrides.space, sweep.space, mechanism.spaces[0])
-    mechanism.check_space(space, name)
+    space = mechanism.parse_space(space, name)
 
     texts, name = pick("mode", overrides.mode, sweep.mode, mechanism.modes[:1])
     modes = mechanism.parse_modes(texts, name)
@@ -298,6 +303,8 @@ def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Config
 
     tolerance, name = pick("tolerance", overrides.tolerance, sweep.tolerance, DEFAULT_TOLERANCE)
     mechanism.check_tolerance(tolerance, name)
+
+    options = _options(mechanism, overrides.options, sweep.options, source)
 
     threads, name = pick("threads", overrides.threads, run.threads, None)
     if threads is not None and not 1 <= threads <= MOST_THREADS:
@@ -315,10 +322,34 @@ def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Config
             modes=modes,
             lci_thresholds=tuple(float(value) for value in thresholds),
             tolerance=float(tolerance),
+            options=options,
         ),
         threads=threads,
         output=None if output is None else Path(output),
     )
+
+
+def _options(
+    mechanism: Mechanism,
+    given: Mapping[str, object] | None,
+    from_file: Mapping[str, object] | None,
+    source: str,
+) -> Options:
+    """Return all options of a mechanism, each one checked under the name it was given by."""
+    given = given or {}
+    values = dict(
+        mechanism.complete_options(
+            from_file or {}, lambda name: _name(("sweep", "options", name), source)
+        )
+    )
+    typed = mechanism.complete_options(given, "--set {}".format)
+    values.update((name, value) for name, value in typed if name in given)
+    return tuple(values.items())
+
+
+def _toml_value(value: float | bool) -> str:
+    """Return a number or a truth value as TOML."""
+    return str(value).lower() if isinstance(value, bool) else repr(float(value))
 
 
 def _toml_text(text: str) -> str:

@@ -83,7 +83,7 @@ def _columns(atlas: Atlas) -> Iterator[tuple[str, _Column]]:
     if modes is not None:
         for column in modes.columns:
             yield column.name, _repeated(_texts(column.values, column.flags))
-    for array in atlas.mechanism.result_arrays(atlas.settings):
+    for array in atlas.mechanism.stored_arrays(atlas.settings):
         dimensions = array.quantity.dimensions
         flags = None if array.is_error else array.quantity.flags
         expand = 1 if MODE in dimensions else repeat

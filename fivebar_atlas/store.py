@@ -34,9 +34,11 @@ from fivebar_atlas.mechanisms.base import (
     Flags,
     FloatArray,
     Mechanism,
+    NormalisedProduct,
     Quantity,
     SweepSettings,
 )
+from fivebar_atlas.mechanisms.normalisation import Extremes, NormalisedFunction
 from fivebar_atlas.output_file import check_output, put_in_place, unwritable
 from fivebar_atlas.unfinished_sweep import ASSEMBLED, UnfinishedSweep
 
@@ -192,9 +194,48 @@ class AtlasWriter:
             for start, records in self._slabs():
                 # Checked here and not only at the end, lest HDF5 reads back what is not there.
                 file.check()
-                for name, dataset in datasets.items():
-                    if dataset.size:
-                        dataset[start : start + len(records)] = records[name]
+                for name in records.dtype.names or ():
+                    if datasets[name].size:
+                        datasets[name][start : start + len(records)] = records[name]
+            for product in self._mechanism.normalised:
+                self._write_normalised(file, product, datasets)
+
+    def _write_normalised(
+        self, file: _GuardedFile, product: NormalisedProduct, datasets: Mapping[str, h5py.Dataset]
+    ) -> None:
+        """Write a normalised product: the extremes of its factors, then its values."""
+        factors = tuple(self._mechanism.quantity(name) for name in product.factors)
+        extremes = tuple(
+            Extremes.of_parts(
+                (part[factor.name], part.get(factor.error_name, np.zeros(1)))
+                for _, part in self._read_back(file, [factor], datasets)
+            )
+            for factor in factors
+        )
+        target = datasets[product.quantity.name]
+        target.attrs.update(_normalisation(product, extremes))
+        if not target.size:
+            return
+        function = NormalisedFunction(product, factors, extremes)
+        for designs, part in self._read_back(file, factors, datasets):
+            for name, values in function.arrays(part).items():
+                datasets[name][designs] = values
+
+    def _read_back(
+        self,
+        file: _GuardedFile,
+        quantities: Sequence[Quantity],
+        datasets: Mapping[str, h5py.Dataset],
+    ) -> Iterator[tuple[slice, dict[str, FloatArray]]]:
+        """Yield designs and what was written for them, not too many at a time."""
+        names = [quantity.name for quantity in quantities]
+        names += [quantity.error_name for quantity in quantities if quantity.has_error]
+        for start in range(0, len(self._designs), _SLAB_DESIGNS):
+            designs = slice(start, min(start + _SLAB_DESIGNS, len(self._designs)))
+            # Nothing of it may still wait to be written, and then fail.
+            datasets[names[0]].file.flush()
+            file.check()
+            yield designs, {name: datasets[name][designs] for name in names}
 
     def _slabs(self) -> Iterator[tuple[int, npt.NDArray[Any]]]:
         """Yield first design and records of several blocks at a time, in their order."""
@@ -213,7 +254,7 @@ class AtlasWriter:
                 first, waiting, count = stop, [], 0
 
     def _create_datasets(self, target: h5py.File) -> dict[str, h5py.Dataset]:
-        """Create all datasets; return those that the blocks fill."""
+        """Create all datasets; return those of results, which are to be filled."""
         axes = self._mechanism.axes(self._settings)
         count = len(self._designs)
         lengths = {DESIGN: count, **{axis.name: len(axis) for axis in axes}}
@@ -232,7 +273,7 @@ class AtlasWriter:
                 if len(axis):
                     dataset[...] = column.values
         filled: dict[str, h5py.Dataset] = {}
-        for array in self._mechanism.result_arrays(self._settings):
+        for array in self._mechanism.stored_arrays(self._settings):
             quantity = array.quantity
             dataset = _create(target, array.name, quantity.dimensions, array.dtype, lengths)
             flags = None if array.is_error else quantity.flags
@@ -391,7 +432,7 @@ class Atlas:
     def names(self) -> tuple[str, ...]:
         """Names of everything that has a value for each design."""
         parameters = (parameter.name for parameter in self.mechanism.parameters)
-        arrays = self.mechanism.result_arrays(self.settings)
+        arrays = self.mechanism.stored_arrays(self.settings)
         return (*parameters, *(array.name for array in arrays))
 
     @functools.cached_property
@@ -402,6 +443,34 @@ class Atlas:
     def quantity(self, name: str) -> Quantity:
         """Return unit, meaning and axes of a quantity; raise UnknownNameError."""
         return self.mechanism.quantity(name)
+
+    def normalised(self, name: str) -> NormalisedFunction:
+        """Return a normalised product as a function, with the extremes of this atlas.
+
+        Raises
+        ------
+        UnknownNameError
+            If the mechanism has no such normalised product.
+        FileError
+            If the extremes are damaged.
+        """
+        products = {each.quantity.name: each for each in self.mechanism.normalised}
+        if name not in products:
+            raise UnknownNameError("normalised quantity", name, products)
+        product = products[name]
+        lengths = {
+            array.name: array.lengths for array in self.mechanism.result_arrays(self.settings)
+        }
+        with _reading(self.path):
+            attributes = self._file[name].attrs
+            extremes = tuple(
+                Extremes(
+                    *(np.asarray(attributes[f"{factor}_{each}"]) for each in Extremes._fields)
+                ).shaped(lengths[factor])
+                for factor in product.factors
+            )
+        factors = tuple(self.quantity(factor) for factor in product.factors)
+        return NormalisedFunction(product, factors, extremes)
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         """Return a whole dataset.
@@ -466,7 +535,7 @@ class Atlas:
 
     def _indices(self, name: str, mode: str | None, lci: float | None) -> tuple[int, ...]:
         """Return the index along every axis of a quantity but the design axis."""
-        for array in self.mechanism.result_arrays(self.settings):
+        for array in self.mechanism.stored_arrays(self.settings):
             if array.name == name:
                 dimensions = array.quantity.dimensions[1:]
                 break
@@ -622,6 +691,19 @@ def _describe(dataset: h5py.Dataset, unit: str, long_name: str, flags: Flags | N
         dataset.attrs["flag_meanings"] = " ".join(flags.meanings)
 
 
+def _normalisation(product: NormalisedProduct, extremes: Sequence[Extremes]) -> dict[str, Any]:
+    """Return the attributes that say how a product is normalised."""
+    attributes: dict[str, Any] = {
+        "normalisation": product.normalisation,
+        "factors": " ".join(product.factors),
+    }
+    for factor, found in zip(product.factors, extremes, strict=True):
+        for name, values in zip(Extremes._fields, found, strict=True):
+            # The netCDF data model has no attributes of more than one dimension.
+            attributes[f"{factor}_{name}"] = values.ravel()
+    return attributes
+
+
 @contextlib.contextmanager
 def _reading(path: Path) -> Iterator[None]:
     """Turn whatever h5py raises on a damaged file into one error."""
@@ -672,7 +754,7 @@ def _check_datasets(
     for axis in mechanism.axes(settings):
         for column in axis.columns:
             expected[column.name] = (len(axis),), column.values.dtype
-    for array in mechanism.result_arrays(settings):
+    for array in mechanism.stored_arrays(settings):
         expected[array.name] = (count, *array.lengths), array.dtype
     for name, (shape, dtype) in expected.items():
         if name not in file:

@@ -1,7 +1,8 @@
 """The five-bar's design space with quantities in closed form, for what exact values lead to.
 
 ``usable_workspace_area`` and ``gci`` are those of ``closed_form_atlas``, at every design and
-not only in a file; ``max_lci`` has a kink. Everything else is zero.
+not only in a file; ``max_lci`` has a kink. Everything else is zero. ``composed_index`` is the
+product of the first two, normalised over the file.
 """
 
 from __future__ import annotations
@@ -14,7 +15,15 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas import mechanisms
-from fivebar_atlas.mechanisms.base import BoolArray, FloatArray, SweepSettings
+from fivebar_atlas.mechanisms.base import (
+    DESIGN,
+    MODE,
+    BoolArray,
+    FloatArray,
+    NormalisedProduct,
+    Quantity,
+    SweepSettings,
+)
 from fivebar_atlas.mechanisms.five_bar.mechanism import FiveBarMechanism
 from fivebar_atlas.store import AtlasWriter
 
@@ -29,6 +38,20 @@ class ClosedFormMechanism(FiveBarMechanism):
     """A five-bar whose quantities are simple functions."""
 
     name = "closed-form"
+    normalised = (
+        NormalisedProduct(
+            Quantity(
+                "composed_index",
+                r"$\eta$",
+                "1",
+                "composed design index",
+                (DESIGN, MODE),
+                has_error=True,
+            ),
+            ("usable_workspace_area", "gci"),
+            "range",
+        ),
+    )
 
     def are_designs(
         self,

@@ -10,12 +10,14 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import closed_form_mechanism
 import pytest
 from click.testing import CliRunner
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.cli import main
 from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.store import Atlas, open_atlas
 
 ROOT = Path(__file__).parent.parent
 
@@ -72,9 +74,28 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
 
 
 @pytest.fixture
+def sliced(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """Register the mechanism of ``sliced_mechanism``; returns its name."""
+    monkeypatch.setitem(mechanisms._REGISTRY, "sliced", "sliced_mechanism:SlicedMechanism")
+    yield "sliced"
+    mechanisms.get.cache_clear()
+
+
+@pytest.fixture
 def toy_settings(toy: str) -> SweepSettings:
     """Return a sweep of the toy mechanism in several blocks."""
     return SweepSettings(toy, "whole", 200, ("right", "left"), (0.25, 0.5, 0.75), 1e-6)
+
+
+@pytest.fixture
+def closed_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Atlas]:
+    """Register the mechanism of ``closed_form_mechanism``; returns an atlas of it."""
+    monkeypatch.setitem(
+        mechanisms._REGISTRY, "closed-form", "closed_form_mechanism:ClosedFormMechanism"
+    )
+    with open_atlas(closed_form_mechanism.write(tmp_path / "closed_form.h5")) as opened:
+        yield opened
+    mechanisms.get.cache_clear()
 
 
 @pytest.fixture

@@ -77,7 +77,7 @@ def pieces(path: Outline) -> list[np.ndarray]:
 
 def own_frame(figure: Figure, cell: DesignCell, artist: Artist) -> list[np.ndarray]:
     """Return the lines of an artist in the frame of the design it belongs to."""
-    place = FIVE_BAR.project(cell.parameters)
+    place = FIVE_BAR.project(cell.parameters, "surrounded")
     scale = drawn_scale(figure)
     return [(line - place) / scale for line in pieces(artist.get_path())]  # type: ignore[attr-defined]
 
@@ -148,7 +148,7 @@ def test_representatives_are_a_staggered_lattice_over_every_sub_region(
     assert {(r2, r1, r3) for r1, r2, r3 in triples} == triples
     assert (designs[:, 2] == 0.0).any()
     np.testing.assert_allclose(designs.sum(axis=1), 3.0, rtol=1e-15)
-    points = FIVE_BAR.project(designs)
+    points = FIVE_BAR.project(designs, space)
     gaps = np.hypot(*(points[:, None] - points).transpose(2, 0, 1))
     spacing = np.sort(gaps, axis=1)[:, 1].min()
     neighbours = (np.abs(gaps - spacing) < 1e-9).sum(axis=1)
@@ -349,7 +349,7 @@ def test_drawings_keep_apart_in_the_frame_and_could_not_be_larger(
     figure = draw(cells, space, width)
 
     drawings = hulls(figure, cells)
-    places = FIVE_BAR.project(np.array([cell.parameters for cell in cells]))
+    places = FIVE_BAR.project(np.array([cell.parameters for cell in cells]), space)
     gaps = np.hypot(*(places[:, None] - places).transpose(2, 0, 1))
     spacing = gaps[gaps > 0.0].min()
     apart = [one.distance(two) for one, two in itertools.combinations(drawings, 2)]
@@ -481,7 +481,7 @@ def test_base_joints_are_marked_where_the_inner_reach_circles_are_points() -> No
         assert (f"cell-{number}-isolated" in found) == (abs(r1 - r2) < 1e-12)
         if abs(r1 - r2) < 1e-12:
             points = found[f"cell-{number}-isolated"].get_xydata()  # type: ignore[attr-defined]
-            own = (points - FIVE_BAR.project(cell.parameters)) / drawn_scale(figure)
+            own = (points - FIVE_BAR.project(cell.parameters, "surrounded")) / drawn_scale(figure)
             np.testing.assert_allclose(own, [[-r3, 0.0], [r3, 0.0]], atol=1e-12)
             marked += 1
     assert marked >= 2

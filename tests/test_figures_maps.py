@@ -395,7 +395,7 @@ def test_sub_regions_are_bounded_by_the_borders(space: str) -> None:
 
     for region in chart.regions:
         (loop,) = region_loops(chart, region)
-        expected = shapely.Polygon(mechanism.project(np.array(corners[region.name])))
+        expected = shapely.Polygon(mechanism.project(np.array(corners[region.name]), space))
         assert shapely.symmetric_difference(shapely.Polygon(loop), expected).area < 1e-12
 
 

@@ -44,7 +44,9 @@ def draw(atlas: Atlas, *wheres: str, designs: bool = False) -> tuple[Figure, Par
     conditions = [parse_condition(where) for where in wheres]
     candidates = Candidates(atlas, conditions, "+-/up")
     front = pareto_front(candidates, [(name, 1.0) for name in QUANTITIES])
-    members = atlas.mechanism.project(front.designs).T if designs else front.values
+    members = (
+        atlas.mechanism.project(front.designs, atlas.settings.space).T if designs else front.values
+    )
     figure = front_figure(
         atlas,
         QUANTITIES,
@@ -77,7 +79,7 @@ def test_every_design_is_a_dot_and_the_front_stands_out(small: Atlas) -> None:
 
 def test_in_the_design_space_members_and_ends_are_marked(small: Atlas) -> None:
     figure, front = draw(small, "r1<=1.6", designs=True)
-    places = small.mechanism.project(front.designs)
+    places = small.mechanism.project(front.designs, small.settings.space)
     np.testing.assert_array_equal(drawn(figure, "pareto front"), places.T)
     np.testing.assert_array_equal(drawn(figure, "best GCI")[:, 0], places[0])
     np.testing.assert_array_equal(drawn(figure, "best $W$")[:, 0], places[-1])

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import LinearNDInterpolator
 
-from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError
 from fivebar_atlas.store import Atlas, open_atlas
 from fivebar_atlas.synthesis.lookup import Lookup, look_up
@@ -23,16 +22,6 @@ def five_bar(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Atlas]:
     path = tmp_path_factory.mktemp("lookup") / "small.h5"
     with open_atlas(closed_form_mechanism.write(path, "five-bar")) as opened:
         yield opened
-
-
-@pytest.fixture
-def closed_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Atlas]:
-    monkeypatch.setitem(
-        mechanisms._REGISTRY, "closed-form", "closed_form_mechanism:ClosedFormMechanism"
-    )
-    with open_atlas(closed_form_mechanism.write(tmp_path / "closed_form.h5")) as opened:
-        yield opened
-    mechanisms.get.cache_clear()
 
 
 def values(found: Lookup, name: str) -> tuple[float, float]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator
-from pathlib import Path
 
 import closed_form_atlas
 import closed_form_mechanism
@@ -33,16 +32,6 @@ FloatArray = npt.NDArray[np.float64]
 
 SPACE_AREA = 3.0**2 / math.sqrt(3.0) / 3.0
 KNOWN = ("r1", "r2", "r3", "gci", "usable_workspace_area")
-
-
-@pytest.fixture
-def closed_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Atlas]:
-    monkeypatch.setitem(
-        mechanisms._REGISTRY, "closed-form", "closed_form_mechanism:ClosedFormMechanism"
-    )
-    with open_atlas(closed_form_mechanism.write(tmp_path / "closed_form.h5")) as opened:
-        yield opened
-    mechanisms.get.cache_clear()
 
 
 @pytest.fixture(scope="module")
@@ -79,9 +68,9 @@ def test_designs_come_back_from_the_chart() -> None:
 def test_the_design_space_is_a_polygon_with_named_sides() -> None:
     mechanism = mechanisms.get("five-bar")
     polygon = DesignPolygon.of_space(mechanism, "surrounded")
-    assert sorted(polygon.names(mechanism)) == ["r1 = r3", "r2 = r3", "r3 = 0"]
+    assert sorted(polygon.names(mechanism, "surrounded")) == ["r1 = r3", "r2 = r3", "r3 = 0"]
     assert polygon.area == pytest.approx(SPACE_AREA, rel=1e-14)
-    names = DesignPolygon.of_space(mechanism, "assemblable").names(mechanism)
+    names = DesignPolygon.of_space(mechanism, "assemblable").names(mechanism, "assemblable")
     assert sorted(names) == ["r1 = 0", "r2 = 0", "r3 = 0", "r3 = 1.5"]
 
 

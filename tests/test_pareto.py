@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import closed_form_atlas
-import closed_form_mechanism
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError, UnknownNameError
 from fivebar_atlas.store import Atlas, open_atlas
 from fivebar_atlas.synthesis.candidates import Candidates
@@ -21,16 +18,6 @@ from fivebar_atlas.synthesis.pareto import non_dominated, pareto_front, polished
 
 FloatArray = npt.NDArray[np.float64]
 KNOWN = ("r1", "r2", "r3", "gci", "usable_workspace_area", "max_lci")
-
-
-@pytest.fixture
-def closed_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Atlas]:
-    monkeypatch.setitem(
-        mechanisms._REGISTRY, "closed-form", "closed_form_mechanism:ClosedFormMechanism"
-    )
-    with open_atlas(closed_form_mechanism.write(tmp_path / "closed_form.h5")) as opened:
-        yield opened
-    mechanisms.get.cache_clear()
 
 
 def compared_in_pairs(gains: FloatArray) -> set[int]:

@@ -58,6 +58,7 @@ def test_file_holds_the_declared_datasets_and_nothing_else(file: h5py.File) -> N
         *("design", "mode", "threshold"),
         *("a", "b", "side", "level"),
         *("span", "span_error", "sweep_area", "share", "share_error", "status"),
+        *("normalised_span", "normalised_span_error", "composed", "composed_error", "relative"),
     }
 
 

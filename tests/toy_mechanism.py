@@ -23,6 +23,7 @@ from fivebar_atlas.mechanisms.base import (
     FloatArray,
     IntArray,
     Mechanism,
+    NormalisedProduct,
     Parameter,
     Quantity,
     SweepSettings,
@@ -48,6 +49,30 @@ class ToyMechanism(Mechanism):
         Quantity("share", "$h$", "1", "share", (DESIGN, MODE, THRESHOLD), has_error=True),
         Quantity("status", "status", "1", "status", (DESIGN, MODE), flags=STATUS),
     )
+    normalised = (
+        NormalisedProduct(
+            Quantity("normalised_span", r"$\hat{s}$", "1", "normalised span", has_error=True),
+            ("span",),
+            "range",
+        ),
+        NormalisedProduct(
+            Quantity(
+                "composed",
+                r"$\eta$",
+                "1",
+                "composed index",
+                (DESIGN, MODE, THRESHOLD),
+                has_error=True,
+            ),
+            ("span", "share"),
+            "range",
+        ),
+        NormalisedProduct(
+            Quantity("relative", "$q$", "1", "relative area", (DESIGN, MODE)),
+            ("span", "sweep_area"),
+            "largest",
+        ),
+    )
     modes = ("left", "right")
     spaces = ("whole", "half")
     resolution_range = (2, 10_000_000)
@@ -60,7 +85,7 @@ class ToyMechanism(Mechanism):
 
     def lattice(self, space: str, resolution: int) -> FloatArray:
         """All (i, N - i) / N."""
-        self.check_space(space)
+        self.parse_space(space)
         steps = np.arange(resolution + 1 if space == "whole" else resolution // 2 + 1)
         return np.column_stack([steps, resolution - steps]) / float(resolution)
 
@@ -99,15 +124,15 @@ class ToyMechanism(Mechanism):
             "status": np.repeat(status[:, None], len(signs), axis=1),
         }
 
-    def project(self, parameters: FloatArray) -> FloatArray:
+    def project(self, parameters: FloatArray, space: str) -> FloatArray:  # noqa: ARG002
         """Return the parameters themselves."""
         return parameters.copy()
 
-    def unproject(self, points: FloatArray) -> FloatArray:
+    def unproject(self, points: FloatArray, space: str) -> FloatArray:  # noqa: ARG002
         """Return the chart coordinates themselves."""
         return points.copy()
 
     def chart(self, space: str) -> DesignChart:
         """Return an outline and nothing else."""
-        self.check_space(space)
+        self.parse_space(space)
         return DesignChart(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), (), (), ())

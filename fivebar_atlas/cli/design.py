@@ -58,6 +58,7 @@ _MOST_MACHINES = 20
     help="Machines to report, distinct from one another.",
 )
 @unit_option
+@options.set_option
 @options.json_option
 @click.option(
     "-o", "--output", metavar="FILE.json", type=click.Path(path_type=Path), help="Write the JSON."
@@ -81,6 +82,7 @@ def design(
     space: str | None,
     count: int,
     unit: str | None,
+    set_options: dict[str, object],
     as_json: bool,
     output: Path | None,
     overwrite: bool,
@@ -133,7 +135,8 @@ def design(
     )
     modes = chosen.parse_modes(mode or ("all",), "--mode")
     if space is not None:
-        chosen.check_space(space, "--space")
+        space = chosen.parse_space(space, "--space")
+    set_values = options.options_of(chosen, set_options)
     ranges, limits = limits_given(actuator_ranges, link_ranges)
     units = Units(unit)
     shape = practical_shape(rectangle, circle, polygon, clearance, units)
@@ -149,6 +152,7 @@ def design(
             limits=tuple(limits),
             unit=units.unit,
             space=space or "",
+            options=set_values,
         )
     note_compilation()
     with _progress(quiet) as said:

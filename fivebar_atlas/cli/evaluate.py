@@ -16,6 +16,7 @@ from fivebar_atlas.cli.progress import note_compilation
 @options.mode_option
 @options.lci_option
 @options.tolerance_option
+@options.set_option
 @options.json_option
 def evaluate(
     lengths: list[float],
@@ -23,6 +24,7 @@ def evaluate(
     mode: tuple[str, ...] | None,
     lci: tuple[float, ...] | None,
     tolerance: float | None,
+    set_options: dict[str, object],
     as_json: bool,
 ) -> None:
     """Evaluate one design, dimensional or not: workspaces, indices, circles.
@@ -46,6 +48,7 @@ def evaluate(
         modes=chosen.parse_modes(mode or chosen.modes[:1], "--mode"),
         lci_thresholds=DEFAULT_LCI_THRESHOLDS if lci is None else lci,
         tolerance=DEFAULT_TOLERANCE if tolerance is None else tolerance,
+        options=options.options_of(chosen, set_options),
     )
     chosen.check_thresholds(settings.lci_thresholds, "--lci")
     chosen.check_tolerance(settings.tolerance, "--tolerance")

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from fivebar_atlas.cli.design_figures import lci_map, linkage, workspace
-from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table, capitalised
+from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table, capitalised, option_rows
 from fivebar_atlas.errors import InputError
 
 if TYPE_CHECKING:
@@ -106,6 +106,8 @@ class EvaluationText:
     def lines(self) -> Iterator[str]:
         """Yield the lines of a readable table."""
         yield self.mechanism.title
+        if options := self.mechanism.options_text(self.settings.options):
+            yield options
         yield ""
         yield _line("", "value", "± error", "" if self.factor == 1.0 else "scaled by D")
         for entry in self._of_design():
@@ -126,6 +128,7 @@ class EvaluationText:
             Row("Mode pairs", ", ".join(settings.modes), note=drawn),
             Row("LCI thresholds", thresholds, note="of the good-condition workspace"),
             Row("Relative tolerance", f"{settings.tolerance:g}", note="of what is integrated"),
+            *option_rows(self.mechanism, settings.options),
         )
         sentence = (
             "Values are those of the design scaled to r1 + r2 + r3 = 3; what is integrated has an "
@@ -145,7 +148,7 @@ class EvaluationText:
     def figures(self) -> list[Captioned]:
         """Return workspace and LCI map of mode pairs, and the linkage in the first of them."""
         try:
-            design = self.mechanism.planar_design(self.lengths)
+            design = self.mechanism.planar_design(self.lengths, options=self.settings.options)
         except InputError:  # its output does not move in a plane
             return []
         figures = []

@@ -23,7 +23,8 @@ def info(file: str, as_json: bool) -> None:
 
     with open_atlas(file) as atlas:
         document = _document(atlas)
-    click.echo(json.dumps(document, indent=2) if as_json else _text(document))
+        options_text = atlas.mechanism.options_text(atlas.settings.options)
+    click.echo(json.dumps(document, indent=2) if as_json else _text(document, options_text))
 
 
 def _document(atlas: Atlas) -> dict[str, Any]:
@@ -41,7 +42,10 @@ def _document(atlas: Atlas) -> dict[str, Any]:
         "modes": list(settings.modes),
         "lci_thresholds": list(settings.lci_thresholds),
         "tolerance": settings.tolerance,
-        "quantities": [_quantity(atlas, quantity) for quantity in atlas.mechanism.quantities],
+        **({"options": dict(settings.options)} if settings.options else {}),
+        "quantities": [
+            _quantity(atlas, quantity) for quantity in atlas.mechanism.stored_quantities
+        ],
         "made": atlas.attributes,
     }
 
@@ -57,6 +61,10 @@ def _quantity(atlas: Atlas, quantity: Quantity) -> dict[str, Any]:
         "unit": quantity.unit,
         "dimensions": list(quantity.dimensions),
     }
+    for product in atlas.mechanism.normalised:
+        if product.quantity.name == quantity.name:
+            entry["normalisation"] = product.normalisation
+            entry["factors"] = list(product.factors)
     if quantity.flags is not None:
         codes, counts = np.unique(values, return_counts=True)
         entry["counts"] = {
@@ -75,8 +83,8 @@ def _quantity(atlas: Atlas, quantity: Quantity) -> dict[str, Any]:
     return entry
 
 
-def _text(document: dict[str, Any]) -> str:
-    """Return the document as lines for a reader."""
+def _text(document: dict[str, Any], options_text: str) -> str:
+    """Return the document as lines for a reader, with the options of the mechanism, if any."""
     lines = [
         f"{document['file']} ({document['bytes']:,} bytes)",
         f"{document['title']}; {document['source']}",
@@ -86,6 +94,7 @@ def _text(document: dict[str, Any]) -> str:
         f"mode pairs      {', '.join(document['modes'])}",
         f"LCI thresholds  {', '.join(f'{v!r}' for v in document['lci_thresholds']) or 'none'}",
         f"tolerance       {document['tolerance']:g}",
+        *([f"options         {options_text}"] if options_text else []),
         "",
     ]
     width = max(len(entry["name"]) for entry in document["quantities"])

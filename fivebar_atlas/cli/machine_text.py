@@ -9,7 +9,15 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from fivebar_atlas.cli.design_figures import lci_map, linkage, workspace
-from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table, capitalised, titled
+from fivebar_atlas.cli.presentation import (
+    Captioned,
+    Row,
+    Section,
+    Table,
+    capitalised,
+    option_rows,
+    titled,
+)
 
 if TYPE_CHECKING:
     from fivebar_atlas.figures.overlays import Overlay
@@ -79,6 +87,8 @@ class MachineText:
         yield self._mechanism.title
         yield f"{self._proportions}; {self._remarks}"
         yield f"{good.mode}; LCI at least {good.lci_threshold:g}"
+        if options := self._mechanism.options_text(good.design.options):
+            yield options
         yield ""
         yield from _row_lines(self._lengths())
         yield from _row_lines(self._practical_workspace())
@@ -103,6 +113,7 @@ class MachineText:
             Row("Proportions", self._proportions, note=self._remarks),
             Row("Mode pair", good.mode),
             Row("LCI threshold", f"{good.lci_threshold:g}", note="reached in the whole workspace"),
+            *option_rows(mechanism, good.design.options),
         )
         meanings = {each.name.upper(): each.long_name for each in mechanism.parameters}
         lengths = [

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from fivebar_atlas.cli.machine_text import MachineText, text_line
-from fivebar_atlas.cli.presentation import Captioned, Row, Section
+from fivebar_atlas.cli.presentation import Captioned, Row, Section, option_rows
 
 if TYPE_CHECKING:
     from fivebar_atlas.synthesis.best_machines import RankedMachine
@@ -64,6 +64,7 @@ class MachinesText:
             "placement": task.placement,
             "modes": list(task.modes),
             "space": task.space,
+            **({"options": dict(task.options)} if task.options else {}),
             "minimised": task.goal.name,
             "minimised_unit": task.goal.unit(task.unit),
             "machines": [each.document(self.resolution, self.force) for each in self.machines],
@@ -98,6 +99,7 @@ class MachinesText:
             Row("LCI threshold", f"{task.lci_threshold:g}", note="reached in the whole workspace"),
             Row("Minimised", task.goal.long_name),
             Row("Searched", self._searched),
+            *option_rows(task.mechanism, task.options),
             *(Row("Actuator range", str(each)) for each in task.ranges),
             *(
                 Row(f"Limits of {each.name}", f"{each.least:g} to {each.greatest:g} {task.unit}")

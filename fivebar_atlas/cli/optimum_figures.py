@@ -37,7 +37,9 @@ def draw_front(
     first, second = front.names
     # From left to right.
     order = front.values[0].argsort(kind="stable")
-    members = atlas.mechanism.project(front.designs).T if in_design_space else front.values
+    members = front.values
+    if in_design_space:
+        members = atlas.mechanism.project(front.designs, atlas.settings.space).T
     return front_figure(
         atlas,
         (first, second),

@@ -188,7 +188,7 @@ class OptimumText:
         for parameter in study.atlas.mechanism.parameters:
             if parameter.name == name:
                 return f"{parameter.long_name} {name}"
-        for array in study.atlas.mechanism.result_arrays(study.atlas.settings):
+        for array in study.atlas.mechanism.stored_arrays(study.atlas.settings):
             if array.name == name:
                 return array.long_name
         return name

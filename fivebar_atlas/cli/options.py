@@ -14,6 +14,7 @@ from fivebar_atlas.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
     from fivebar_atlas.config import Overrides
+    from fivebar_atlas.mechanisms.base import Mechanism, Options
     from fivebar_atlas.mechanisms.planar import PlanarDesign
 
 #: Settings of a command that takes numbers as arguments: negative ones look like options.
@@ -58,6 +59,33 @@ def _numbers(
     return numbers
 
 
+def _assignments(
+    ctx: click.Context,  # noqa: ARG001
+    parameter: click.Parameter,  # noqa: ARG001
+    texts: tuple[str, ...],
+) -> dict[str, object]:
+    """Return NAME=VALUE texts by name; a value that is no number and not true or false is text."""
+    values: dict[str, object] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise InputError("--set", text, "NAME=VALUE")
+        if name in values:
+            raise InputError("--set", text, f"no second value of {name}")
+        values[name] = _literal(value)
+    return values
+
+
+def _literal(text: str) -> object:
+    """Return what a text says: yes or no, a number, or the text itself."""
+    if text in ("true", "false"):
+        return text == "true"
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def no_such_option(ctx: click.Context, text: str) -> click.NoSuchOption:
     """Return the error for an option that came through as an argument."""
     known = [name for option in ctx.command.params for name in option.opts]
@@ -71,6 +99,9 @@ file_argument = click.argument("file", metavar="FILE.h5", type=click.Path())
 #: The lengths of one design; its command needs ``NEGATIVE_NUMBERS``.
 lengths_argument = click.argument("lengths", nargs=-1, callback=_numbers, metavar="R1 R2 R3")
 mechanism_option = click.option("--mechanism", metavar="NAME", help="Mechanism.")
+space_option = click.option(
+    "--space", metavar="NAME", help="Design space of the mechanism; its first if not given."
+)
 mode_option = click.option(
     "--mode",
     multiple=True,
@@ -92,15 +123,25 @@ lci_option = click.option(
 tolerance_option = click.option(
     "--tolerance", type=float, metavar="VALUE", help="Relative tolerance, 1e-10 to 1e-3."
 )
+#: Options of the mechanism, for ``options_of``.
+set_option = click.option(
+    "--set",
+    "set_options",
+    multiple=True,
+    callback=_assignments,
+    metavar="NAME=VALUE",
+    help="Option of the mechanism; repeatable.",
+)
 sweep_options = together(
     mechanism_option,
     click.option(
-        "--resolution", type=int, metavar="N", help="Lattice steps; designs are (i, j, k)·3/N."
+        "--resolution", type=int, metavar="N", help="Lattice steps from end to end of the space."
     ),
-    click.option("--space", metavar="NAME", help="Design space: surrounded or assemblable."),
+    space_option,
     mode_option,
     lci_option,
     tolerance_option,
+    set_option,
     click.option(
         "--threads", type=int, metavar="N", help="Threads; one for each core if not given."
     ),
@@ -118,6 +159,7 @@ design_options = together(
     click.option(
         "--non-dimensional", is_flag=True, help="Scale the lengths by D to R1 + R2 + R3 = 3."
     ),
+    set_option,
 )
 overwrite_option = click.option("--overwrite", is_flag=True, help="Replace an existing output.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -126,15 +168,30 @@ quiet_option = click.option(
 )
 
 
-def overrides(**options: Any) -> Overrides:
+def overrides(set_options: Mapping[str, object], **options: Any) -> Overrides:
     """Return the values of ``sweep_options`` as overrides of a configuration."""
     from fivebar_atlas.config import Overrides
 
-    return Overrides(**options)
+    return Overrides(options=set_options, **options)
+
+
+def options_of(mechanism: Mechanism, set_options: Mapping[str, object]) -> Options:
+    """Return the values of ``set_option``, and defaults, as options of a mechanism.
+
+    Raises
+    ------
+    InputError
+        If there is no such option, or its value is not allowed.
+    """
+    return mechanism.complete_options(set_options, "--set {}".format)
 
 
 def planar_design(
-    lengths: list[float], mechanism: str | None, unit: str | None, non_dimensional: bool
+    lengths: list[float],
+    mechanism: str | None,
+    unit: str | None,
+    non_dimensional: bool,
+    set_options: Mapping[str, object],
 ) -> PlanarDesign:
     """Return the design that the values of ``design_options`` stand for.
 
@@ -143,7 +200,7 @@ def planar_design(
     click.UsageError
         If a unit is given for non-dimensional lengths.
     InputError
-        If the lengths make no mechanism that moves in a plane.
+        If the lengths make no mechanism that moves in a plane, or an option is not allowed.
     """
     from fivebar_atlas import mechanisms
 
@@ -151,7 +208,8 @@ def planar_design(
         raise click.UsageError("--unit and --non-dimensional exclude each other")
     check_unit(unit)
     chosen = mechanisms.get(mechanism or mechanisms.names()[0])
-    return chosen.planar_design(lengths, "" if non_dimensional else unit)
+    set_values = options_of(chosen, set_options)
+    return chosen.planar_design(lengths, "" if non_dimensional else unit, set_values)
 
 
 def check_unit(unit: str | None) -> None:

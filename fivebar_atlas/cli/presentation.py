@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import click
 
 from fivebar_atlas.report.content import Row, Section, Table
+
+if TYPE_CHECKING:
+    from fivebar_atlas.mechanisms.base import Mechanism, Options
 
 __all__ = [
     "Captioned",
@@ -25,6 +28,7 @@ __all__ = [
     "Table",
     "capitalised",
     "json_text",
+    "option_rows",
     "present",
     "titled",
 ]
@@ -156,6 +160,13 @@ def json_text(document: dict[str, Any]) -> str:
 def titled(rows: Iterable[Row]) -> tuple[Row, ...]:
     """Return rows as a report shows them, whose labels begin with a capital letter."""
     return tuple(dataclasses.replace(row, label=capitalised(row.label)) for row in rows)
+
+
+def option_rows(mechanism: Mechanism, options: Options) -> Iterator[Row]:
+    """Yield what a report says of every sweep option of a mechanism."""
+    values = dict(mechanism.complete_options(options))
+    for each in mechanism.options:
+        yield Row(capitalised(each.long_name), each.shown(values[each.name]))
 
 
 def capitalised(label: str) -> str:

@@ -47,6 +47,7 @@ _SHAPES = ("--area", "--rectangle", "--circle", "--polygon")
 @click.option(
     "--factor-step", type=float, metavar="STEP", help="Round D up to a multiple of this length."
 )
+@options.set_option
 @options.json_option
 @click.option(
     "-o", "--output", metavar="FILE.json", type=click.Path(path_type=Path), help="Write the JSON."
@@ -70,6 +71,7 @@ def size(
     actuator_ranges: tuple[tuple[int, float, float], ...],
     link_ranges: tuple[tuple[str, float, float], ...],
     factor_step: float | None,
+    set_options: dict[str, object],
     as_json: bool,
     output: Path | None,
     overwrite: bool,
@@ -109,7 +111,7 @@ def size(
         raise InputError("--factor-step", factor_step, "a finite number above 0")
     chosen = mechanisms.get(mechanism or mechanisms.names()[0])
     options.check_unit(unit)
-    design = chosen.planar_design(lengths, "")
+    design = chosen.planar_design(lengths, "", options.options_of(chosen, set_options))
     pair = options.mode_pair(design, mode)
     threshold = DEFAULT_LCI if lci is None else lci
     chosen.check_thresholds([threshold], "--lci")

@@ -222,7 +222,7 @@ def _chosen_parts(
     atlas: Atlas, names: Sequence[str], mode: str | None, lci: float | None
 ) -> list[str]:
     """Return mode pair and threshold as a title gives them, as far as quantities need them."""
-    arrays = {array.name: array for array in atlas.mechanism.result_arrays(atlas.settings)}
+    arrays = {array.name: array for array in atlas.mechanism.stored_arrays(atlas.settings)}
     used = {axis for name in names if name in arrays for axis in arrays[name].quantity.dimensions}
     parts = [_mode_part(atlas, mode)] if MODE in used else []
     return [*parts, _threshold_part(atlas, lci)] if THRESHOLD in used else parts
@@ -258,7 +258,7 @@ def stored_array(atlas: Atlas, name: str) -> ResultArray:
     UnknownNameError
         If the file holds nothing of this name; it lists what it holds.
     """
-    arrays = {array.name: array for array in atlas.mechanism.result_arrays(atlas.settings)}
+    arrays = {array.name: array for array in atlas.mechanism.stored_arrays(atlas.settings)}
     if name not in arrays:
         raise UnknownNameError("quantity", name, arrays)
     return arrays[name]

@@ -1,7 +1,7 @@
 """The frame of every atlas figure: outline, axes with ticks, title, room for what is below.
 
 The drawing area covers the whole figure; its coordinates are those of the chart, so a
-design is marked at ``mechanism.project(design)``. Everything that has a size on paper is
+design is marked at ``mechanism.project(design, space)``. Everything that has a size on paper is
 computed in millimetres first: a wider figure gets a larger chart and the same text.
 """
 

@@ -45,7 +45,7 @@ class ChartedDesigns:
         mechanism
             The mechanism.
         space
-            Name of one of its design spaces.
+            Canonical text of one of its design spaces.
         resolution
             Number of lattice steps N.
 
@@ -57,7 +57,7 @@ class ChartedDesigns:
         parameters = mechanism.lattice(space, resolution)
         return cls(
             parameters=parameters,
-            points=mechanism.project(parameters),
+            points=mechanism.project(parameters, space),
             triangles=mechanism.triangles(space, resolution),
             chart=mechanism.chart(space),
         )

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import Mechanism
+from fivebar_atlas.mechanisms.base import Mechanism, Options
 from fivebar_atlas.mechanisms.planar import PlanarDesign
 from fivebar_atlas.output_file import atomic_output
 from fivebar_atlas.planar_geometry import NamedArc
@@ -99,7 +99,11 @@ class DesignCell:
 
 
 def loci_cells(
-    mechanism: Mechanism, space: str, mode: str | None = None, cells: int = DEFAULT_CELLS
+    mechanism: Mechanism,
+    space: str,
+    mode: str | None = None,
+    cells: int = DEFAULT_CELLS,
+    options: Options = (),
 ) -> tuple[DesignCell, ...]:
     """Return the singular loci of representative designs.
 
@@ -113,6 +117,8 @@ def loci_cells(
         A mode pair or a working mode alone, for its loci only; None for all.
     cells
         About how many designs; see :func:`representative_designs`.
+    options
+        Sweep options of the mechanism.
 
     Returns
     -------
@@ -122,7 +128,7 @@ def loci_cells(
     Raises
     ------
     UnknownNameError
-        If there is no such design space or mode.
+        If there is no such design space, mode or option.
     InputError
         If the number of cells is out of range, or the mechanism does not move in a plane.
     """
@@ -135,11 +141,15 @@ def loci_cells(
         for point in design.isolated_singular_points() if loci else ():
             yield CellLine(np.array([point]))
 
-    return _cells(mechanism, space, cells, lines)
+    return _cells(mechanism, space, cells, options, lines)
 
 
 def shape_cells(
-    mechanism: Mechanism, space: str, mode: str, cells: int = DEFAULT_CELLS
+    mechanism: Mechanism,
+    space: str,
+    mode: str,
+    cells: int = DEFAULT_CELLS,
+    options: Options = (),
 ) -> tuple[DesignCell, ...]:
     """Return the boundaries of the usable workspaces of representative designs.
 
@@ -153,6 +163,8 @@ def shape_cells(
         A mode pair.
     cells
         About how many designs; see :func:`representative_designs`.
+    options
+        Sweep options of the mechanism.
 
     Returns
     -------
@@ -162,7 +174,7 @@ def shape_cells(
     Raises
     ------
     UnknownNameError
-        If there is no such design space or mode pair.
+        If there is no such design space, mode pair or option.
     InputError
         If the number of cells is out of range, or the mechanism does not move in a plane.
     """
@@ -175,7 +187,7 @@ def shape_cells(
             for each in loop.arcs:
                 yield CellLine(each.arc.polyline(_DEVIATION), each, boundary)
 
-    return _cells(mechanism, space, cells, lines)
+    return _cells(mechanism, space, cells, options, lines)
 
 
 def locus_mode(mechanism: Mechanism, text: str) -> str:
@@ -229,10 +241,10 @@ def representative_designs(mechanism: Mechanism, space: str, cells: int) -> Floa
     least, greatest = CELLS_RANGE
     if not least <= cells <= greatest:
         raise InputError("cells", cells, f"an integer from {least} to {greatest}")
-    mechanism.check_space(space)
+    space = mechanism.parse_space(space)
     chart = mechanism.chart(space)
     edge = np.stack([chart.outline, np.roll(chart.outline, -1, axis=0)], axis=1)
-    fine = mechanism.project(mechanism.lattice(space, _FINE))
+    fine = mechanism.project(mechanism.lattice(space, _FINE), space)
     wanted = _interiors(_sides([*chart.borders, *edge], fine))
     best: FloatArray | None = None
     best_cost = (0, 0)
@@ -244,7 +256,7 @@ def representative_designs(mechanism: Mechanism, space: str, cells: int) -> Floa
         if best is not None and min(map(len, lattices)) - cells > best_cost[0]:
             return best
         for designs in lattices:
-            points = mechanism.project(designs)
+            points = mechanism.project(designs, space)
             of_borders, of_edge = _sides(chart.borders, points), _sides(edge, points)
             on_borders, on_edge = (
                 int((sides == 0).any(axis=1).sum()) for sides in (of_borders, of_edge)
@@ -306,12 +318,15 @@ def _cells(
     mechanism: Mechanism,
     space: str,
     cells: int,
+    options: Options,
     lines: Callable[[PlanarDesign], Iterator[CellLine]],
 ) -> tuple[DesignCell, ...]:
     designs = representative_designs(mechanism, space, cells)
     return tuple(
-        DesignCell(design, place, tuple(lines(mechanism.planar_design(design.tolist(), ""))))
-        for design, place in zip(designs, mechanism.project(designs), strict=True)
+        DesignCell(
+            design, place, tuple(lines(mechanism.planar_design(design.tolist(), "", options)))
+        )
+        for design, place in zip(designs, mechanism.project(designs, space), strict=True)
     )
 
 
@@ -322,7 +337,7 @@ def _coarse_lattices(mechanism: Mechanism, space: str, steps: int) -> tuple[Floa
     so that rows are staggered.
     """
     designs = mechanism.lattice(space, 2 * steps)
-    points = mechanism.project(designs)
+    points = mechanism.project(designs, space)
     _, row = np.unique(np.round(points[:, 1], 9), return_inverse=True)
     first, second = (np.sort(points[row == number, 0]) for number in (0, 1))
     if len(first) < 2 or len(second) == 0:  # all designs lie on a line

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import importlib
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from fivebar_atlas.errors import UnknownNameError
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 _REGISTRY = {
     "five-bar": "fivebar_atlas.mechanisms.five_bar.mechanism:FiveBarMechanism",
+    "passive-leg": "fivebar_atlas.mechanisms.passive_leg.mechanism:PassiveLegMechanism",
 }
 
 
@@ -39,7 +41,10 @@ def get(name: str) -> Mechanism:
 
 
 def planar_design(
-    *lengths: float, unit: str | None = None, mechanism: str | None = None
+    *lengths: float,
+    unit: str | None = None,
+    mechanism: str | None = None,
+    options: Mapping[str, float | bool] | None = None,
 ) -> PlanarDesign:
     """Return one design, in the unit of its machine, for figures and files of its geometry.
 
@@ -52,13 +57,17 @@ def planar_design(
         Where nothing is said it is mm, or ``""`` if the lengths are non-dimensional already.
     mechanism
         Name of the mechanism; the five-bar where nothing is said.
+    options
+        Sweep options of the mechanism by name; those that are not among them have their
+        defaults.
 
     Raises
     ------
     UnknownNameError
-        If there is no such mechanism.
+        If there is no such mechanism or option.
     InputError
-        If the lengths make no mechanism, or its output does not move in a plane.
+        If the lengths make no mechanism, its output does not move in a plane, or the value of
+        an option is not allowed.
 
     Examples
     --------
@@ -69,4 +78,5 @@ def planar_design(
     >>> machine.check_path([[0.0, 36.0], [10.0, 36.0]], "+-/up").feasible
     True
     """
-    return get(mechanism or names()[0]).planar_design(lengths, unit)
+    chosen = get(mechanism or names()[0])
+    return chosen.planar_design(lengths, unit, chosen.complete_options(options or {}))

@@ -9,9 +9,10 @@ lattice, a batch evaluator and a chart to draw the design space on.
 from __future__ import annotations
 
 import dataclasses
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +31,9 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
+#: Sweep options of a mechanism by name, in the order the mechanism declares them.
+Options = tuple[tuple[str, float | bool], ...]
+
 #: Arrays by the name of their quantity or error companion.
 Results = Mapping[str, npt.NDArray[Any]]
 
@@ -40,6 +44,9 @@ THRESHOLD = "threshold"
 #: Thresholds and tolerance where nothing is said.
 DEFAULT_LCI_THRESHOLDS = (0.5,)
 DEFAULT_TOLERANCE = 1e-6
+
+# Up to this difference of every parameter designs are the same.
+_SAME_DESIGN = 1e-9
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -142,8 +149,32 @@ class Quantity:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class NormalisedProduct:
+    """A quantity that is the product of others, each normalised over all designs of an atlas.
+
+    Nam and Park (2006), Sec. 6.1: with one factor a normalised index, with several a composed
+    design index (Eq. 31). It exists in an atlas only: a design alone has no extremes.
+
+    Attributes
+    ----------
+    quantity
+        What the product is; it runs over the axes of its factors, and has an error if every
+        factor has one.
+    factors
+        Names of the mechanism's floating-point quantities that are multiplied.
+    normalisation
+        What f is divided by: ``"range"`` is (f - min f)/(max f - min f), ``"largest"`` is
+        f/max f, with the extremes over the designs at the same place of the other axes.
+    """
+
+    quantity: Quantity
+    factors: tuple[str, ...]
+    normalisation: Literal["range", "largest"]
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class ResultArray:
-    """One array that an evaluator returns: a quantity, or the error companion of one.
+    """One array of results: a quantity, or the error companion of one.
 
     Attributes
     ----------
@@ -205,6 +236,63 @@ class Axis:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class SweepOption:
+    """A choice that a mechanism leaves to a sweep, a number or yes or no.
+
+    Attributes
+    ----------
+    name
+        Key in ``[sweep.options]`` and name on the command line, ``"theta_limit"``.
+    unit
+        Unit, ``"1"`` where non-dimensional or yes or no.
+    long_name
+        What it says, in a phrase.
+    default
+        The value where nothing is said; a bool where it is yes or no.
+    least, greatest
+        Range of a number, ends included.
+    """
+
+    name: str
+    unit: str
+    long_name: str
+    default: float | bool
+    least: float = -math.inf
+    greatest: float = math.inf
+
+    @property
+    def allowed(self) -> str:
+        """Which values there are, in a phrase."""
+        if isinstance(self.default, bool):
+            return "true or false"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        least, greatest = math.isfinite(self.least), math.isfinite(self.greatest)
+        if least and greatest:
+            return f"a number from {self.least:g} to {self.greatest:g}{unit}"
+        if least or greatest:
+            bound = f"of {self.least:g} or more" if least else f"up to {self.greatest:g}"
+            return f"a number {bound}{unit}"
+        return "a finite number"
+
+    def check(self, value: object, name: str) -> float | bool:
+        """Return a value as it is stored; raise InputError, under a name, if it is none."""
+        if isinstance(self.default, bool):
+            if isinstance(value, bool):
+                return value
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            number = float(value)
+            if math.isfinite(number) and self.least <= number <= self.greatest:
+                return number + 0.0  # -0.0 is 0.0
+        raise InputError(name, value, self.allowed)
+
+    def shown(self, value: float | bool) -> str:
+        """Return a value as text with its unit: ``"60 deg"``, ``"true"``."""
+        if isinstance(value, bool):
+            return "true" if value else "false"
+        return f"{value:.8g}" if self.unit == "1" else f"{value:.8g} {self.unit}"
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class SweepSettings:
     """What a sweep computes; it, and nothing else, determines the numbers.
 
@@ -213,7 +301,7 @@ class SweepSettings:
     mechanism
         Name of the mechanism.
     space
-        Name of the design space.
+        Canonical text of the design space.
     resolution
         Number of lattice steps N.
     modes
@@ -222,6 +310,9 @@ class SweepSettings:
         Thresholds of the good-condition workspace, each in (0, 1).
     tolerance
         Relative tolerance of every integrated quantity.
+    options
+        Sweep options of the mechanism; those that are not among them have their defaults.
+        In the settings of a configuration or a file all are there, in the mechanism's order.
     """
 
     mechanism: str
@@ -230,6 +321,7 @@ class SweepSettings:
     modes: tuple[str, ...]
     lci_thresholds: tuple[float, ...]
     tolerance: float
+    options: Options = ()
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -310,14 +402,21 @@ class Mechanism(ABC):
     parameters: tuple[Parameter, ...]
     #: Everything the evaluator computes, error companions not listed separately.
     quantities: tuple[Quantity, ...]
+    #: What an atlas has besides, from the quantities of all its designs.
+    normalised: tuple[NormalisedProduct, ...] = ()
     #: Canonical labels of all mode pairs, the default first.
     modes: tuple[str, ...]
-    #: Names of the design spaces, the default first.
+    #: Names of the design spaces, the default first and the widest last. There may be more,
+    #: which :meth:`parse_space` knows.
     spaces: tuple[str, ...]
     #: Least and largest lattice resolution.
     resolution_range: tuple[int, int]
+    #: Lattice resolution where nothing is said.
+    default_resolution: int = 300
     #: Tightest and loosest tolerance.
     tolerance_range: tuple[float, float] = (1e-10, 1e-3)
+    #: What else a sweep may choose, beyond space, mode pairs, thresholds and tolerance.
+    options: tuple[SweepOption, ...] = ()
 
     @abstractmethod
     def parse_mode(self, text: str) -> str:
@@ -346,7 +445,8 @@ class Mechanism(ABC):
         parameters
             Designs, shape (designs, parameters).
         settings
-            Modes, thresholds and tolerance; space and resolution are not used.
+            Modes, thresholds, tolerance and options (see :meth:`complete_options`); space
+            and resolution are not used.
 
         Returns
         -------
@@ -380,26 +480,52 @@ class Mechanism(ABC):
         return np.ones(len(parameters), dtype=np.bool_)
 
     @abstractmethod
-    def project(self, parameters: FloatArray) -> FloatArray:
-        """Return chart coordinates, shape (designs, 2), of designs."""
+    def project(self, parameters: FloatArray, space: str) -> FloatArray:
+        """Return coordinates in the chart of a design space, shape (n, 2), of designs in it.
+
+        What tells designs from those of other spaces, such as a parameter that is fixed, is
+        not looked at: :meth:`are_in_space` does.
+        """
 
     @abstractmethod
-    def unproject(self, points: FloatArray) -> FloatArray:
-        """Return designs, shape (n, parameters), from chart coordinates, shape (n, 2).
+    def unproject(self, points: FloatArray, space: str) -> FloatArray:
+        """Return designs, shape (n, parameters), at points of a space's chart, shape (n, 2).
 
         The inverse of :meth:`project`, which is linear. What lies on a border of a design
         space, up to rounding, is a design that can be evaluated.
         """
 
+    def are_in_space(self, parameters: FloatArray, space: str) -> BoolArray:
+        """Return which designs, shape (n, parameters), the chart of a space has, shape (n,).
+
+        Whether they lie within its outline is not looked at.
+        """
+        back = self.unproject(self.project(parameters, space), space)
+        return np.asarray(np.all(np.abs(back - parameters) <= _SAME_DESIGN, axis=1))
+
     @abstractmethod
     def chart(self, space: str) -> DesignChart:
         """Return how the design space is drawn; its outline is convex."""
 
+    @property
+    def stored_quantities(self) -> tuple[Quantity, ...]:
+        """Everything an atlas has: what the evaluator computes, then normalised products."""
+        return (*self.quantities, *(product.quantity for product in self.normalised))
+
     def result_arrays(self, settings: SweepSettings) -> tuple[ResultArray, ...]:
         """Return what :meth:`evaluate` returns: every quantity, errors after their values."""
+        return self._arrays(self.quantities, settings)
+
+    def stored_arrays(self, settings: SweepSettings) -> tuple[ResultArray, ...]:
+        """Return what an atlas has: the same, then the normalised products."""
+        return self._arrays(self.stored_quantities, settings)
+
+    def _arrays(
+        self, quantities: Sequence[Quantity], settings: SweepSettings
+    ) -> tuple[ResultArray, ...]:
         lengths = {axis.name: len(axis) for axis in self.axes(settings)}
         arrays: list[ResultArray] = []
-        for quantity in self.quantities:
+        for quantity in quantities:
             shape = tuple(lengths[name] for name in quantity.dimensions if name != DESIGN)
             arrays.append(
                 ResultArray(quantity.name, quantity, shape, quantity.dtype, quantity.long_name)
@@ -411,10 +537,14 @@ class Mechanism(ABC):
                 )
         return tuple(arrays)
 
-    def check_space(self, space: str, name: str = "space") -> None:
-        """Raise UnknownNameError unless there is a design space of this name."""
-        if space not in self.spaces:
-            raise UnknownNameError(name, space, self.spaces)
+    def parse_space(self, text: str, name: str = "space") -> str:
+        """Return the canonical text of a design space; raise UnknownNameError.
+
+        A mechanism with more spaces than it can list, such as slices, overrides this.
+        """
+        if text not in self.spaces:
+            raise UnknownNameError(name, text, self.spaces)
+        return text
 
     def check_resolution(self, resolution: int, name: str = "resolution") -> None:
         """Raise InputError unless a lattice of this resolution can be swept."""
@@ -435,6 +565,48 @@ class Mechanism(ABC):
                 raise InputError(name, threshold, "a number above 0 and below 1")
         if len(set(thresholds)) < len(thresholds):
             raise InputError(name, list(thresholds), "thresholds of which none is given twice")
+
+    def complete_options(
+        self,
+        given: Mapping[str, object] | Options = (),
+        named: Callable[[str], str] = str,
+    ) -> Options:
+        """Return every sweep option: those given, checked, and the defaults of the others.
+
+        Parameters
+        ----------
+        given
+            Options by name.
+        named
+            Returns what an option is called in messages.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such option.
+        InputError
+            If the mechanism has no options at all, or a value has the wrong type or is out of
+            range.
+        """
+        values = dict(given)
+        known = [option.name for option in self.options]
+        for name in values:
+            if not known:
+                allowed = f"no option: the mechanism {self.name} has none"
+                raise InputError(named(name), name, allowed)
+            if name not in known:
+                raise UnknownNameError(named(name), name, known)
+        return tuple(
+            (option.name, option.check(values[option.name], named(option.name)))
+            if option.name in values
+            else (option.name, option.default)
+            for option in self.options
+        )
+
+    def options_text(self, options: Options) -> str:
+        """Return sweep options in a line: ``"theta_limit = 60 deg"``; empty if there are none."""
+        values = dict(self.complete_options(options))
+        return ", ".join(f"{each.name} = {each.shown(values[each.name])}" for each in self.options)
 
     def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
         """Return one design as non-dimensional parameters and its dimensional factor D.
@@ -467,6 +639,7 @@ class Mechanism(ABC):
         self,
         lengths: Sequence[float],  # noqa: ARG002
         unit: str | None = None,  # noqa: ARG002
+        options: Options = (),  # noqa: ARG002
     ) -> PlanarDesign:
         """Return one design for figures and files of its geometry.
 
@@ -478,6 +651,8 @@ class Mechanism(ABC):
             Unit of the lengths; ``""`` for the non-dimensional design, whatever the lengths.
             Where nothing is said it is mm, or ``""`` if the lengths are non-dimensional
             already (D = 1).
+        options
+            Sweep options of the mechanism; those that are not among them have their defaults.
 
         Raises
         ------
@@ -593,6 +768,8 @@ class Mechanism(ABC):
             for parameter, value in zip(self.parameters, parameters, strict=True)
         }
         document["dimensional_factor"] = factor
+        if self.options:
+            document["options"] = dict(self.complete_options(settings.options))
         for axis in self.axes(settings):
             document[axis.name] = list(axis.labels)
         for quantity in self.quantities:
@@ -603,10 +780,10 @@ class Mechanism(ABC):
 
     def quantity(self, name: str) -> Quantity:
         """Return the quantity of this name; raise UnknownNameError."""
-        for quantity in self.quantities:
+        for quantity in self.stored_quantities:
             if quantity.name == name:
                 return quantity
-        raise UnknownNameError("quantity", name, [q.name for q in self.quantities])
+        raise UnknownNameError("quantity", name, [q.name for q in self.stored_quantities])
 
     def parse_modes(self, texts: Sequence[str], name: str = "mode") -> tuple[str, ...]:
         """Return canonical labels, ``"all"`` expanded and repetitions dropped."""

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from fivebar_atlas.errors import UnknownNameError
-from fivebar_atlas.mechanisms.base import Flags
+from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Axis, AxisColumn, Flags
 
 #: Working mode and assembly mode as ±1.
 Signs = tuple[int, int, int]
@@ -74,3 +78,52 @@ def mode_pairs(mode: str | None) -> tuple[Signs, ...]:
         except UnknownNameError:
             raise UnknownNameError("mode", mode, WORKING_MODES.meanings) from None
     return tuple(mode_signs(label) for label in labels)
+
+
+def mode_and_threshold_axes(
+    labels: Sequence[str], thresholds: Sequence[float], determinant: str
+) -> tuple[Axis, Axis]:
+    """Return the axes of results that run over mode pairs and LCI thresholds.
+
+    Parameters
+    ----------
+    labels
+        Canonical labels of mode pairs.
+    thresholds
+        LCI thresholds.
+    determinant
+        What the sign of the assembly mode is that of, such as ``"det B"``.
+    """
+    pairs = [label.split("/") for label in labels]
+    mode = Axis(
+        name=MODE,
+        labels=tuple(labels),
+        columns=(
+            _flag_column("working_mode", "working mode", WORKING_MODES, [p[0] for p in pairs]),
+            _flag_column(
+                "assembly_mode",
+                f"assembly mode, the sign of {determinant}",
+                ASSEMBLY_MODES,
+                [p[1] for p in pairs],
+            ),
+        ),
+    )
+    threshold = Axis(
+        name=THRESHOLD,
+        labels=tuple(f"{value!r}" for value in thresholds),
+        columns=(
+            AxisColumn(
+                "lci_threshold",
+                np.array(thresholds, dtype=np.float64),
+                "1",
+                "least local conditioning index of the good-condition workspace",
+            ),
+        ),
+    )
+    return mode, threshold
+
+
+def _flag_column(name: str, long_name: str, flags: Flags, meanings: Sequence[str]) -> AxisColumn:
+    """Return the column of an axis that holds one code for each meaning."""
+    codes = [flags.values[flags.meanings.index(meaning)] for meaning in meanings]
+    return AxisColumn(name, np.array(codes, dtype=np.int8), "1", long_name, flags)

@@ -10,7 +10,7 @@ import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.base import FloatArray, Options
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
 #: What a joint is.
@@ -223,6 +223,8 @@ class PlacementScan:
     limits
         For each limited input its number from 0, the middle and half the width of its range in
         radians, shape (j, 3).
+    options
+        Sweep options of the mechanism.
     """
 
     mode: str
@@ -230,6 +232,7 @@ class PlacementScan:
     samples: FloatArray
     anchors: FloatArray
     limits: FloatArray
+    options: Options = ()
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -294,6 +297,11 @@ class PlanarDesign(ABC):
     @abstractmethod
     def factor(self) -> float:
         """Dimensional factor D in that unit; 1 where lengths are non-dimensional."""
+
+    @property
+    def options(self) -> Options:
+        """Sweep options of its mechanism, all of them."""
+        return ()
 
     @abstractmethod
     def remarks(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from fivebar_atlas.errors import InputError, OutOfReachError
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.base import FloatArray, Options
 from fivebar_atlas.mechanisms.planar import PathLeast, PathReport, PlanarDesign, Pose, Workspace
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
@@ -54,6 +54,11 @@ class ScaledDesign(PlanarDesign):
             (self._design.dimensional_symbol(symbol), self.factor * value)
             for symbol, value in self._design.parameters
         )
+
+    @property
+    def options(self) -> Options:
+        """Sweep options of its mechanism."""
+        return self._design.options
 
     def remarks(self) -> tuple[str, ...]:
         """Return what is special about the design."""

@@ -141,7 +141,7 @@ def _verified(task: MachineTask, placed: Polished) -> RankedMachine | None:
     None where a proof finds a point that is not good, in a hole that no sample was in.
     """
     mechanism = task.mechanism
-    design = mechanism.planar_design([*placed.parameters], "")
+    design = task.design(placed.parameters)
     good = GoodCondition(design, placed.mode, task.lci_threshold, task.ranges)
     # no longer than the limits on lengths allow
     longest = 1.0 / float(task.scales(placed.parameters[None])[0][0])
@@ -174,7 +174,9 @@ def _verified(task: MachineTask, placed: Polished) -> RankedMachine | None:
     borders = [
         name
         for name, gap in zip(
-            polygon.names(mechanism), polygon.distances(placed.point[None])[0], strict=True
+            polygon.names(mechanism, task.space),
+            polygon.distances(placed.point[None])[0],
+            strict=True,
         )
         if abs(gap) < _ACTIVE
     ]

@@ -72,7 +72,7 @@ class Candidates:
     @functools.cached_property
     def points(self) -> FloatArray:
         """Designs of the lattice in the chart, shape (designs, 2)."""
-        return self.atlas.mechanism.project(self.atlas.designs)
+        return self.charted(self.atlas.designs)
 
     @functools.cached_property
     def triangles(self) -> IntArray:
@@ -115,6 +115,14 @@ class Candidates:
             condition.scale(self.values((condition.quantity,))[0]) for condition in self.conditions
         ]
         return np.array(scales)
+
+    def charted(self, designs: FloatArray) -> FloatArray:
+        """Return the points of designs, shape (n, parameters), in the chart of the file's space."""
+        return self.atlas.mechanism.project(designs, self.atlas.settings.space)
+
+    def uncharted(self, points: FloatArray) -> FloatArray:
+        """Return the designs at points of the chart of the file's space, shape (n, 2)."""
+        return self.atlas.mechanism.unproject(points, self.atlas.settings.space)
 
     def values(self, names: Sequence[str]) -> FloatArray:
         """Return stored values, shape (names, designs)."""
@@ -194,8 +202,8 @@ class Candidates:
         ends = np.full((2, len(mechanism.parameters)), np.nan)
         for column, parameter in enumerate(mechanism.parameters):
             exact = dataclasses.replace(self.exact([parameter.name]), polygon=polygon)
-            along = mechanism.unproject(corners)[:, column]
-            of_space = mechanism.unproject(polygon.corners)[:, column]
+            along = self.uncharted(corners)[:, column]
+            of_space = self.uncharted(polygon.corners)[:, column]
             for row, sign in enumerate((-1.0, 1.0)):
                 furthest = int(np.argmax(sign * along))
                 if sign * along[furthest] >= np.max(sign * of_space) - ON_SIDE:
@@ -273,7 +281,7 @@ class Candidates:
         total = objective.value(self.values(objective.names))
         finite = total[np.isfinite(total)]
         span = float(np.ptp(finite)) if len(finite) else 0.0
-        starts = [self.starts(total), *(self.atlas.mechanism.project(each) for each in near)]
+        starts = [self.starts(total), *map(self.charted, near)]
         return maximise(
             self.exact(objective.names),
             objective,

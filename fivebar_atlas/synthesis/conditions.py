@@ -135,7 +135,7 @@ def condition_names(atlas: Atlas) -> tuple[str, ...]:
     interpolated between designs.
     """
     parameters = (parameter.name for parameter in atlas.mechanism.parameters)
-    arrays = atlas.mechanism.result_arrays(atlas.settings)
+    arrays = atlas.mechanism.stored_arrays(atlas.settings)
     return (*parameters, *(array.name for array in arrays if array.quantity.flags is None))
 
 

@@ -149,12 +149,15 @@ class DesignPolygon:
             return np.eye(2), np.array([True, True])
         return np.array([each for each, _ in chosen]), np.array([each for _, each in chosen])
 
-    def names(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Return what each side says of the parameters, such as ``"r3 = 0"``."""
-        ends = mechanism.unproject(self.corners)
+    def names(self, mechanism: Mechanism, space: str) -> tuple[str, ...]:
+        """Return what each side says of the parameters of a space, such as ``"r3 = 0"``."""
+        ends = mechanism.unproject(self.corners, space)
+        # A parameter that is fixed in the whole space says nothing of its sides.
+        free = np.flatnonzero(np.ptp(ends, axis=0) > _SAME)
+        names = [mechanism.parameters[column].name for column in free]
+        ends = ends[:, free]
         return tuple(
-            _side_name([parameter.name for parameter in mechanism.parameters], *pair)
-            for pair in zip(ends, np.roll(ends, -1, axis=0), strict=True)
+            _side_name(names, *pair) for pair in zip(ends, np.roll(ends, -1, axis=0), strict=True)
         )
 
 

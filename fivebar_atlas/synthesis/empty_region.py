@@ -157,5 +157,5 @@ def _best(
     found = candidates.maximise(objective, trials=False)
     if found is None:
         return None, None, True
-    design = candidates.atlas.mechanism.unproject(found.point)
+    design = candidates.uncharted(found.point[np.newaxis])[0]
     return sign * found.value, design, found.is_attained

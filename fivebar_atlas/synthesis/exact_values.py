@@ -12,6 +12,7 @@ import numpy.typing as npt
 from fivebar_atlas.errors import InputError
 from fivebar_atlas.executors import ThreadExecutor, usable_cores
 from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Mechanism, Results, SweepSettings
+from fivebar_atlas.mechanisms.normalisation import NormalisedFunction
 from fivebar_atlas.store import Atlas
 from fivebar_atlas.synthesis.design_polygon import DesignPolygon
 
@@ -41,7 +42,7 @@ _DESIGNS_PER_THREAD = 24
 
 def has_exact_values(atlas: Atlas, names: Sequence[str]) -> bool:
     """Return whether no name is an error estimate, which belongs to the file alone."""
-    arrays = atlas.mechanism.result_arrays(atlas.settings)
+    arrays = atlas.mechanism.stored_arrays(atlas.settings)
     return not {array.name for array in arrays if array.is_error} & set(names)
 
 
@@ -60,12 +61,15 @@ class ExactValues:
     polygon
         The design space; a point outside is taken to be the nearest one in it. What is
         no design, or hardly one, has no values.
+    normalised
+        Those of the quantities that are normalised over the file, with its extremes.
     """
 
     mechanism: Mechanism
     settings: SweepSettings
     names: tuple[str, ...]
     polygon: DesignPolygon
+    normalised: tuple[NormalisedFunction, ...] = ()
 
     @classmethod
     def of_atlas(
@@ -97,7 +101,7 @@ class ExactValues:
             pair or threshold must be chosen.
         """
         mechanism = atlas.mechanism
-        arrays = {array.name: array for array in mechanism.result_arrays(atlas.settings)}
+        arrays = {array.name: array for array in mechanism.stored_arrays(atlas.settings)}
         used: set[str] = set()
         for name in names:
             if name in arrays:
@@ -109,10 +113,13 @@ class ExactValues:
                     raise InputError("quantity", name, allowed)
                 used.update(arrays[name].quantity.dimensions)
         modes, thresholds = atlas.modes[:1], tuple[float, ...]()
+        places: dict[str, int] = {}
         if MODE in used:
-            modes = (atlas.modes[atlas.mode_index(mode)],)
+            places[MODE] = atlas.mode_index(mode)
+            modes = (atlas.modes[places[MODE]],)
         if THRESHOLD in used:
-            thresholds = (atlas.lci_thresholds[atlas.lci_index(lci)],)
+            places[THRESHOLD] = atlas.lci_index(lci)
+            thresholds = (atlas.lci_thresholds[places[THRESHOLD]],)
         quantities = [arrays[name].quantity for name in names if name in arrays]
         if all(quantity.ignores_tolerance for quantity in quantities):
             tolerance = mechanism.tolerance_range[1]
@@ -120,12 +127,14 @@ class ExactValues:
             atlas.settings, modes=modes, lci_thresholds=thresholds, tolerance=tolerance
         )
         polygon = DesignPolygon.of_space(mechanism, settings.space)
-        return cls(mechanism, settings, tuple(dict.fromkeys(names)), polygon)
+        products = (product.quantity.name for product in mechanism.normalised)
+        normalised = tuple(atlas.normalised(name).at(places) for name in products if name in names)
+        return cls(mechanism, settings, tuple(dict.fromkeys(names)), polygon, normalised)
 
     @property
     def _mode(self) -> str | None:
         """The mode pair, None where no quantity depends on it."""
-        quantities = [each for each in self.mechanism.quantities if each.name in self.names]
+        quantities = [each for each in self.mechanism.stored_quantities if each.name in self.names]
         has_mode = any(MODE in quantity.dimensions for quantity in quantities)
         return self.settings.modes[0] if has_mode else None
 
@@ -157,7 +166,7 @@ class ExactValues:
 
     def designs(self, points: FloatArray) -> FloatArray:
         """Return the designs at points of the chart, shape (n, 2)."""
-        return self.mechanism.unproject(self.polygon.clip(points))
+        return self.mechanism.unproject(self.polygon.clip(points), self.settings.space)
 
     def values(self, points: FloatArray) -> FloatArray:
         """Return values at points of the chart, shape (names, n)."""
@@ -180,7 +189,9 @@ class ExactValues:
         if all(name in columns for name in self.names):
             values[:] = designs[:, [columns.index(name) for name in self.names]].T
             return values, errors
-        results = self._results(designs)
+        results = dict(self._results(designs))
+        for function in self.normalised:
+            results.update(function.arrays(results))
         for row, name in enumerate(self.names):
             if name in columns:
                 values[row] = designs[:, columns.index(name)]

@@ -136,25 +136,33 @@ def look_up(atlas: Atlas, lengths: Sequence[float]) -> Lookup:
     """
     mechanism, settings = atlas.mechanism, atlas.settings
     design, factor = mechanism.from_lengths(lengths)
-    point = mechanism.project(design[np.newaxis])
+    point = mechanism.project(design[np.newaxis], settings.space)
     names = [parameter.name for parameter in mechanism.parameters]
     shown = ", ".join(f"{name} {value:.6g}" for name, value in zip(names, design, strict=True))
+    in_space = f"a design in the {settings.space} space of the file"
+    if not mechanism.are_in_space(design[np.newaxis], settings.space)[0]:
+        raise InputError("design", shown, in_space)
     polygon = DesignPolygon.of_space(mechanism, settings.space)
     if not polygon.contains(point)[0]:
-        sides = zip(polygon.names(mechanism), polygon.distances(point)[0], strict=True)
+        sides = zip(
+            polygon.names(mechanism, settings.space), polygon.distances(point)[0], strict=True
+        )
         beyond = " and ".join(name for name, distance in sides if distance < -ON_SIDE)
-        allowed = f"a design in the {settings.space} space of the file; it lies beyond {beyond}"
-        raise InputError("design", shown, allowed)
+        raise InputError("design", shown, f"{in_space}; it lies beyond {beyond}")
     triangles = mechanism.triangles(settings.space, settings.resolution)
-    found, weights = _containing(mechanism.project(atlas.designs), triangles, point[0])
+    found, weights = _containing(
+        mechanism.project(atlas.designs, settings.space), triangles, point[0]
+    )
     if found < 0:
         allowed = "a design between those of the lattice, not between them and the border"
         raise InputError("design", shown, allowed)
     corners = triangles[found]
     results = mechanism.evaluate(design[np.newaxis], settings)
+    for product in mechanism.normalised:
+        results.update(atlas.normalised(product.quantity.name).arrays(results))
     axes = {axis.name: axis for axis in mechanism.axes(settings)}
     entries = []
-    for quantity in mechanism.quantities:
+    for quantity in mechanism.stored_quantities:
         stored = _rows(atlas, quantity.name, corners)
         for index, labels in _indices([axes[name] for name in quantity.dimensions[1:]]):
             exact = results[quantity.name][(0, *index)]

@@ -127,7 +127,9 @@ class MachinePolish:
 
     def placed(self, start: Start) -> Polished | None:
         """Return a start whose shape is good throughout; None where none is about that large."""
-        point = self._moved(self._task.mechanism.project(start.parameters[None])[0])
+        point = self._moved(
+            self._task.mechanism.project(start.parameters[None], self._task.space)[0]
+        )
         for share in _FIRST_SCALES:
             design, scale = self._within_limits(point, share * start.scale)
             now = self._evaluated(start.mode, design, start.centre, scale)
@@ -206,10 +208,10 @@ class MachinePolish:
         return np.asarray(self._polygon.clip(point[None])[0])
 
     def _parameters(self, point: FloatArray) -> FloatArray:
-        return np.asarray(self._task.mechanism.unproject(point[None])[0])
+        return np.asarray(self._task.mechanism.unproject(point[None], self._task.space)[0])
 
     def _design(self, point: FloatArray) -> PlanarDesign:
-        return self._task.mechanism.planar_design([*self._parameters(point)], "")
+        return self._task.design(self._parameters(point))
 
     def _good(self, mode: str, point: FloatArray) -> GoodCondition:
         task = self._task
@@ -423,8 +425,9 @@ class MachinePolish:
         """
         rows = [np.concatenate([each, np.zeros(count - 2)]) for each in self._polygon.normals]
         offsets = [*self._polygon.offsets]
-        origin = self._task.mechanism.unproject(np.zeros((1, 2)))[0]
-        slopes = self._task.mechanism.unproject(np.eye(2)) - origin
+        mechanism, space = self._task.mechanism, self._task.space
+        origin = mechanism.unproject(np.zeros((1, 2)), space)[0]
+        slopes = mechanism.unproject(np.eye(2), space) - origin
         size = self._task.size
         for place, limit in self._limits:
             row = np.zeros(count)

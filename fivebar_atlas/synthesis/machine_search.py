@@ -15,8 +15,8 @@ import numpy as np
 
 from fivebar_atlas.errors import InputError, UnknownNameError
 from fivebar_atlas.executors import ThreadExecutor
-from fivebar_atlas.mechanisms.base import Mechanism
-from fivebar_atlas.mechanisms.planar import PlacementScan
+from fivebar_atlas.mechanisms.base import Mechanism, Options
+from fivebar_atlas.mechanisms.planar import PlacementScan, PlanarDesign
 from fivebar_atlas.planar_geometry import FloatArray
 from fivebar_atlas.synthesis.containment import ActuatorRange, check_ranges
 from fivebar_atlas.synthesis.link_limits import LinkLimit, check_names
@@ -67,14 +67,17 @@ class MachineTask:
     unit
         Unit of lengths.
     space
-        Design space that is searched.
+        Design space that is searched; the widest one where it is empty.
+    options
+        Sweep options of the mechanism.
 
     Raises
     ------
     InputError
-        If the threshold is not in (0, 1), there is no such input, or no mode pair is allowed.
+        If the threshold is not in (0, 1), there is no such input, no mode pair is allowed, or
+        the value of an option is not.
     UnknownNameError
-        If there is no such mode pair, placement, link or design space.
+        If there is no such mode pair, placement, link, design space or option.
     """
 
     mechanism: Mechanism
@@ -87,6 +90,7 @@ class MachineTask:
     limits: tuple[LinkLimit, ...] = ()
     unit: str = "mm"
     space: str = ""
+    options: Options = ()
 
     def __post_init__(self) -> None:
         self.mechanism.check_thresholds([self.lci_threshold])
@@ -96,13 +100,16 @@ class MachineTask:
             self.mechanism.parse_mode(mode)
         if self.placement not in (ON_AXIS, FREE):
             raise UnknownNameError("placement", self.placement, (ON_AXIS, FREE))
-        if not self.space:
-            object.__setattr__(self, "space", self.mechanism.spaces[-1])
-        self.mechanism.check_space(self.space)
+        space = self.mechanism.parse_space(self.space or self.mechanism.spaces[-1])
+        object.__setattr__(self, "space", space)
         lattice = self.mechanism.lattice(self.space, _RESOLUTION)
-        some = self.mechanism.planar_design([*lattice[len(lattice) // 2]], "")
+        some = self.design(lattice[len(lattice) // 2])
         check_ranges(self.ranges, some, self.modes[0])
         check_names([parameter.name for parameter in self.mechanism.parameters], self.limits)
+
+    def design(self, parameters: FloatArray) -> PlanarDesign:
+        """Return the non-dimensional design of parameters, shape (parameters,)."""
+        return self.mechanism.planar_design([*parameters], "", self.options)
 
     @property
     def size(self) -> float:
@@ -187,7 +194,7 @@ def find_starts(
         ]
     ).reshape(-1, 3)
     scans = {
-        mode: PlacementScan(mode, task.lci_threshold, samples, anchors, limits)
+        mode: PlacementScan(mode, task.lci_threshold, samples, anchors, limits, task.options)
         for mode in task.modes
     }
 
@@ -265,7 +272,7 @@ def _apart(task: MachineTask, starts: Sequence[Start]) -> list[Start]:
         range(len(starts)),
         key=lambda k: (round(math.log(starts[k].value) / _SAME), task.modes.index(starts[k].mode)),
     )
-    points = task.mechanism.project(np.array([each.parameters for each in starts]))
+    points = task.mechanism.project(np.array([each.parameters for each in starts]), task.space)
     chosen: list[int] = []
     seen: set[tuple[str, bool]] = set()
     for k in order:

@@ -339,7 +339,7 @@ def _optimum(
     values = exact.values(point[np.newaxis])
     margins = search.rows(values)[1:, 0]
     touched = np.abs(polygon.distances(point[np.newaxis])[0]) <= 1e-8
-    pairs = zip(polygon.names(exact.mechanism), touched, strict=True)
+    pairs = zip(polygon.names(exact.mechanism, exact.settings.space), touched, strict=True)
     places = [exact.names.index(name) for name in objective.names]
     return Optimum(
         point=point,

@@ -84,7 +84,7 @@ def optimum_region(
         atlas.mechanism.check_thresholds([lci])
         atlas.lci_index(lci)
     mechanism, settings = atlas.mechanism, atlas.settings
-    points = mechanism.project(atlas.designs)
+    points = mechanism.project(atlas.designs, settings.space)
     triangles = mechanism.triangles(settings.space, settings.resolution)
     margins = condition_margins(conditions, atlas, mode, lci)
     region = region_where(points, triangles, margins)

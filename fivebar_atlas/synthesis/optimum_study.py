@@ -126,7 +126,7 @@ class OptimumStudy:
         """Return the mode pair and the threshold of what depends on them."""
         atlas, candidates = self.atlas, self.candidates
         used: set[str] = set()
-        for array in atlas.mechanism.result_arrays(atlas.settings):
+        for array in atlas.mechanism.stored_arrays(atlas.settings):
             if array.name in self.shown:
                 used.update(array.quantity.dimensions)
         mode = atlas.modes[atlas.mode_index(candidates.mode)] if MODE in used else None
@@ -140,8 +140,10 @@ class OptimumStudy:
         return {name: [_plain(low), _plain(high)] for name, low, high in pairs}
 
     def _outline(self, loops: Sequence[FloatArray]) -> list[list[list[float]]]:
-        unproject = self.atlas.mechanism.unproject
-        outlines: list[list[list[float]]] = [unproject(loop).tolist() for loop in loops]
+        mechanism, space = self.atlas.mechanism, self.atlas.settings.space
+        outlines: list[list[list[float]]] = [
+            mechanism.unproject(loop, space).tolist() for loop in loops
+        ]
         return outlines
 
     def _region(self) -> dict[str, Any]:

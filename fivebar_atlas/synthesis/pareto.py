@@ -155,9 +155,9 @@ def polished_front(candidates: Candidates, front: ParetoFront) -> ParetoFront:
         members that others dominate then are left out.
     """
     exact = candidates.exact(front.names)
-    mechanism = candidates.atlas.mechanism
+    atlas = candidates.atlas
     names, signs = front.names, np.array(front.signs)
-    points = mechanism.project(front.designs)
+    points = atlas.mechanism.project(front.designs, atlas.settings.space)
     spans = np.array([float(np.ptp(row)) or 1.0 for row in front.values])
     objective = Objective(names[-1:], front.signs[-1:])
     rows = [exact.names.index(name) for name in names]

@@ -467,6 +467,7 @@ def _evaluate(good: GoodCondition) -> tuple[SweepSettings, Results]:
         modes=(good.mode,),
         lci_thresholds=(good.lci_threshold,),
         tolerance=DEFAULT_TOLERANCE,
+        options=good.design.options,
     )
     return settings, mechanism.evaluate(_parameters(good.design)[None], settings)
 

@@ -104,13 +104,13 @@ def square_gains(
     return gains
 
 
-def tied_line(mechanism: Mechanism) -> DesignLine:
+def tied_line(mechanism: Mechanism, space: str) -> DesignLine:
     """Return the line of the chart on which l0 follows from the ratio by Eq. 21."""
     ends = [
         mechanism.from_lengths(mechanism.optimal_configuration(ratio).lengths)[0]
         for ratio in (1.0, 3.0)
     ]
-    one, other = mechanism.project(np.array(ends))
+    one, other = mechanism.project(np.array(ends), space)
     return DesignLine.through(one, other)
 
 
@@ -130,7 +130,7 @@ def _machine_task(task: SquareTask, modes: Sequence[str]) -> MachineTask:
 def _free_centre(task: SquareTask, curve: SquareCurve, modes: Sequence[str]) -> Square | None:
     """Return the largest square with its centre free and l0 tied."""
     search = _machine_task(task, modes)
-    polish = MachinePolish(search, tied_line(task.mechanism))
+    polish = MachinePolish(search, tied_line(task.mechanism, search.space))
     best = sorted(curve.squares, key=lambda square: -square.side)[:_CURVE_STARTS]
     starts = [_start(task, square) for square in best if square.side > 0.0]
     return _polished(task, polish, starts)

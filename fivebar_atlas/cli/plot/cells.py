@@ -19,10 +19,10 @@ from fivebar_atlas.cli.plot.group import (
 
 if TYPE_CHECKING:
     from fivebar_atlas.figures.design_cells import DesignCell
-    from fivebar_atlas.mechanisms.base import Mechanism
+    from fivebar_atlas.mechanisms.base import Mechanism, Options
 
-#: Takes a mechanism, a design space and a number; returns drawings and the title.
-_Maker = Callable[["Mechanism", str, int], tuple[Sequence["DesignCell"], str]]
+#: Takes a mechanism, a design space, a number and options; returns drawings and the title.
+_Maker = Callable[["Mechanism", str, int, "Options"], tuple[Sequence["DesignCell"], str]]
 
 # Two journal columns: the drawings are small.
 _WIDTH = 170.0
@@ -40,11 +40,8 @@ def cell_options(command: Command) -> Command:
             metavar="N",
             help="About how many drawings, 12 to 400; 50 if not given.",
         ),
-        click.option(
-            "--space",
-            metavar="NAME",
-            help="Design space: surrounded or assemblable; the first if not given.",
-        ),
+        options.space_option,
+        options.set_option,
     ):
         command = option(command)
     return command
@@ -61,10 +58,12 @@ def loci_atlas(mode: str | None, **choices: Any) -> None:
     from fivebar_atlas.figures.design_cells import loci_cells, locus_mode
     from fivebar_atlas.figures.wording import mode_text
 
-    def make(mechanism: Mechanism, space: str, cells: int) -> tuple[Sequence[DesignCell], str]:
+    def make(
+        mechanism: Mechanism, space: str, cells: int, set_values: Options
+    ) -> tuple[Sequence[DesignCell], str]:
         label = None if mode is None else locus_mode(mechanism, mode)
         modes = "all modes" if label is None else mode_text(label)
-        return loci_cells(mechanism, space, label, cells), f"Singular loci, {modes}"
+        return loci_cells(mechanism, space, label, cells, set_values), f"Singular loci, {modes}"
 
     _draw(make, **choices)
 
@@ -77,10 +76,12 @@ def shape_atlas(mode: str | None, **choices: Any) -> None:
     from fivebar_atlas.figures.design_cells import shape_cells
     from fivebar_atlas.figures.wording import mode_text
 
-    def make(mechanism: Mechanism, space: str, cells: int) -> tuple[Sequence[DesignCell], str]:
+    def make(
+        mechanism: Mechanism, space: str, cells: int, set_values: Options
+    ) -> tuple[Sequence[DesignCell], str]:
         label = mechanism.modes[0] if mode is None else mechanism.parse_mode(mode)
         title = f"Usable workspaces, {mode_text(label)}"
-        return shape_cells(mechanism, space, label, cells), title
+        return shape_cells(mechanism, space, label, cells, set_values), title
 
     _draw(make, **choices)
 
@@ -90,6 +91,7 @@ def _draw(
     mechanism: str | None,
     space: str | None,
     cells: int | None,
+    set_options: dict[str, object],
     output: Path,
     data: Path | None,
     width: float,
@@ -105,8 +107,10 @@ def _draw(
     check_outputs(output, data, overwrite)
     check_width(width)
     chosen = mechanisms.get(mechanism or mechanisms.names()[0])
-    chosen_space = space or chosen.spaces[0]
-    drawn, title = make(chosen, chosen_space, DEFAULT_CELLS if cells is None else cells)
+    chosen_space = chosen.spaces[0] if space is None else chosen.parse_space(space)
+    set_values = options.options_of(chosen, set_options)
+    count = DEFAULT_CELLS if cells is None else cells
+    drawn, title = make(chosen, chosen_space, count, set_values)
     figure = cell_atlas(chosen.chart(chosen_space), drawn, title, width=width)
     save_figure(figure, output, overwrite)
     if data is not None:

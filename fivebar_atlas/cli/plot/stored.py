@@ -39,14 +39,20 @@ def file_options(command: Command) -> Command:
 
 @plot.command("design-space")
 @click.argument("file", metavar="[FILE.h5]", required=False, type=click.Path())
-@click.option("--space", metavar="NAME", help="Design space: surrounded or assemblable.")
+@options.mechanism_option
+@options.space_option
 @figure_options
 def design_space(
-    file: str | None, space: str | None, output: Path, width: float, overwrite: bool
+    file: str | None,
+    mechanism: str | None,
+    space: str | None,
+    output: Path,
+    width: float,
+    overwrite: bool,
 ) -> None:
-    """Draw the planar-closed design space with its sub-regions.
+    """Draw the design space with its sub-regions.
 
-    The design space is that of FILE, or the one named by --space.
+    The design space is that of FILE, or the one named by --mechanism and --space.
     """
     from fivebar_atlas import mechanisms
     from fivebar_atlas.figures.design_space import design_space_figure
@@ -57,16 +63,21 @@ def design_space(
     check_figure_output(output, overwrite)
     if file is not None:
         check_is_no_input(output, Path(file))
-    mechanism = mechanisms.get(mechanisms.names()[0])
     if file is not None:
         with open_atlas(file) as atlas:
-            if space not in (None, atlas.settings.space):
-                raise InputError("space", space, f"{atlas.settings.space!r}, that of {file}")
-            mechanism, space = atlas.mechanism, atlas.settings.space
-    space = mechanism.spaces[0] if space is None else space
-    mechanism.check_space(space)
-    title = f"Design space of the {mechanism.name} ({space})"
-    figure = design_space_figure(mechanism.chart(space), title, width=width)
+            stored = atlas.settings
+        if mechanism not in (None, stored.mechanism):
+            raise InputError("--mechanism", mechanism, f"{stored.mechanism!r}, that of {file}")
+        mechanism = stored.mechanism
+    chosen = mechanisms.get(mechanism or mechanisms.names()[0])
+    drawn = None if space is None else chosen.parse_space(space, "--space")
+    if file is not None:
+        if drawn not in (None, stored.space):
+            raise InputError("--space", space, f"{stored.space!r}, that of {file}")
+        drawn = stored.space
+    drawn = drawn or chosen.spaces[0]
+    title = f"Design space of the {chosen.name} ({drawn})"
+    figure = design_space_figure(chosen.chart(drawn), title, width=width)
     save_figure(figure, output, overwrite)
 
 

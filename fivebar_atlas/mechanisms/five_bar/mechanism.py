@@ -13,13 +13,13 @@ from fivebar_atlas.mechanisms.base import (
     MODE,
     THRESHOLD,
     Axis,
-    AxisColumn,
     BoolArray,
     DesignChart,
     Flags,
     FloatArray,
     IntArray,
     Mechanism,
+    Options,
     Parameter,
     Quantity,
     Results,
@@ -28,9 +28,8 @@ from fivebar_atlas.mechanisms.base import (
 )
 from fivebar_atlas.mechanisms.five_bar import design_space
 from fivebar_atlas.mechanisms.mode_pairs import (
-    ASSEMBLY_MODES,
     MODE_PAIRS,
-    WORKING_MODES,
+    mode_and_threshold_axes,
     mode_signs,
     parse_mode_pair,
 )
@@ -194,34 +193,7 @@ class FiveBarMechanism(Mechanism):
 
     def axes(self, settings: SweepSettings) -> tuple[Axis, ...]:
         """Return the mode axis and the threshold axis."""
-        pairs = [label.split("/") for label in settings.modes]
-        mode = Axis(
-            name=MODE,
-            labels=settings.modes,
-            columns=(
-                _flag_column("working_mode", "working mode", WORKING_MODES, [p[0] for p in pairs]),
-                _flag_column(
-                    "assembly_mode",
-                    "assembly mode, the sign of det B",
-                    ASSEMBLY_MODES,
-                    [p[1] for p in pairs],
-                ),
-            ),
-        )
-        thresholds = settings.lci_thresholds
-        threshold = Axis(
-            name=THRESHOLD,
-            labels=tuple(f"{value!r}" for value in thresholds),
-            columns=(
-                AxisColumn(
-                    "lci_threshold",
-                    np.array(thresholds, dtype=np.float64),
-                    "1",
-                    "least local conditioning index of the good-condition workspace",
-                ),
-            ),
-        )
-        return mode, threshold
+        return mode_and_threshold_axes(settings.modes, settings.lci_thresholds, "det B")
 
     def evaluate(
         self, parameters: FloatArray, settings: SweepSettings
@@ -257,11 +229,14 @@ class FiveBarMechanism(Mechanism):
         self.check_count(lengths)
         return design_space.normalise(lengths)
 
-    def planar_design(self, lengths: Sequence[float], unit: str | None = None) -> PlanarDesign:
+    def planar_design(
+        self, lengths: Sequence[float], unit: str | None = None, options: Options = ()
+    ) -> PlanarDesign:
         """Return one design for figures and files of its geometry."""
         from fivebar_atlas.mechanisms.five_bar.five_bar import FiveBar
         from fivebar_atlas.mechanisms.scaled_design import ScaledDesign
 
+        self.complete_options(options)
         self.check_count(lengths)
         robot = FiveBar.from_lengths(*lengths)
         scale = robot.dimensional_factor
@@ -327,11 +302,11 @@ class FiveBarMechanism(Mechanism):
         }
         return document
 
-    def project(self, parameters: FloatArray) -> FloatArray:
+    def project(self, parameters: FloatArray, space: str) -> FloatArray:  # noqa: ARG002
         """Return chart coordinates of designs; see :func:`design_space.project`."""
         return design_space.project(parameters)
 
-    def unproject(self, points: FloatArray) -> FloatArray:
+    def unproject(self, points: FloatArray, space: str) -> FloatArray:  # noqa: ARG002
         """Return designs from chart coordinates; see :func:`design_space.unproject`."""
         return design_space.unproject(points)
 
@@ -412,9 +387,3 @@ class FiveBarMechanism(Mechanism):
             "mic_upper": self._inscribed_circle(results, mode, "upper", factor),
             "mic_lower": self._inscribed_circle(results, mode, "lower", factor),
         }
-
-
-def _flag_column(name: str, long_name: str, flags: Flags, meanings: Sequence[str]) -> AxisColumn:
-    """Return the column of an axis that holds one code for each meaning."""
-    codes = [flags.values[flags.meanings.index(meaning)] for meaning in meanings]
-    return AxisColumn(name, np.array(codes, dtype=np.int8), "1", long_name, flags)

@@ -48,7 +48,7 @@ UNBOUNDED_MANIPULABILITY = 8
 REACHED, REACHED_ERROR, FREE, FREE_ERROR, USABLE, USABLE_ERROR = range(6)
 GCI, GCI_ERROR, GMI, GMI_ERROR = range(6, 10)
 GCI_L_THETA, GCI_L_THETA_ERROR, GMI_L_THETA, GMI_L_THETA_ERROR = range(10, 14)
-MAX_LCI, MAX_X, MAX_Y, STATUS, COLUMNS = range(14, 19)
+L_THETA, L_THETA_ERROR, MAX_LCI, MAX_X, MAX_Y, STATUS, COLUMNS = range(14, 21)
 
 # What is smooth is integrated to rounding, relative to itself.
 _ROUNDING = 1e-14
@@ -78,7 +78,7 @@ def integrate_workspace(
     w: Integrals, r: float, l_a: float, l_b: float, theta_limit: float,
     elbow1: float, elbow2: float, sign: float, conditions: int, thresholds: FloatArray,
     tolerance: float, has_indices: bool,
-) -> tuple[int, bool, bool]:  # fmt: skip
+) -> tuple[int, bool]:  # fmt: skip
     """Find the largest part of the workspace and integrate over it.
 
     Parameters
@@ -98,8 +98,6 @@ def integrate_workspace(
     -------
     state : int
         -1: empty, 0: done, 1: tolerance not reached.
-    is_mirrored : bool
-        Whether the part is symmetric, so that its mirror image has the same largest LCI.
     has_forward : bool
         Whether a forward singularity bounds it, so that the manipulability is unbounded.
     """
@@ -116,7 +114,7 @@ def integrate_workspace(
         if part < 0:
             w.total[:] = 0.0
             w.total_error[:] = 0.0
-            return -1, False, False
+            return -1, False
         state = integrate_part(
             w, part if conditions != 0 else -1, r, l_a, l_b, elbow1, elbow2, sign, conditions,
             thresholds, tolerance, has_indices, not has_forward,
@@ -130,7 +128,7 @@ def integrate_workspace(
     for k in range(len(w.total)):
         w.total[k] *= copies
         w.total_error[k] = copies * w.total_error[k] + _ROUNDING * abs(w.total[k])
-    return min(state, 1), is_mirrored, has_forward
+    return min(state, 1), has_forward
 
 
 @kernel
@@ -181,13 +179,13 @@ def evaluate_design(
         return
     status = 0
     usable = ONE_SIGN | PASSIVE_JOINTS if has_limits else ONE_SIGN
-    is_mirrored, has_forward = False, False
+    has_forward = False
     for stage in range(3):
         # all that is reached, then free of singularities, then within all limits
         if stage == 1 and not has_limits:
             continue
         conditions = 0 if stage == 0 else (ONE_SIGN if stage == 1 else usable)
-        state, is_mirrored, has_forward = integrate_workspace(
+        state, has_forward = integrate_workspace(
             w, r, l_a, l_b, theta_limit, elbow1, elbow2, sign, conditions, thresholds,
             tolerance, stage == 2,
         )  # fmt: skip
@@ -199,6 +197,7 @@ def evaluate_design(
             return
     if not has_limits:
         out[FREE], out[FREE_ERROR] = out[USABLE], out[USABLE_ERROR]
+    out[L_THETA], out[L_THETA_ERROR] = w.total[WIDTH], w.total_error[WIDTH]
     out[GCI], out[GCI_ERROR] = _mean(w, LCI, AREA)
     out[GCI_L_THETA], out[GCI_L_THETA_ERROR] = _mean(w, LCI_WIDTH, WIDTH)
     if has_forward:
@@ -215,6 +214,8 @@ def evaluate_design(
                 mean = w.total[at + 1 + which] / area
                 error = w.total_error[at + 1 + which] + mean * w.total_error[at]
                 out[column + 2 + 2 * which], out[column + 3 + 2 * which] = mean, error / area
+            # the LCI lies between the threshold and 1
+            out[column + 3] = min(out[column + 3], 1.0 - thresholds[kind])
     lci, length, theta = largest_lci(w, r, l_a, l_b, theta_limit, elbow1, elbow2, sign, usable)
     # of mirror images the one at positive x
     if elbow1 == -elbow2:
@@ -296,23 +297,24 @@ def evaluate_designs(
     # where the legs cannot be stretched at θ = 0 there is no such size
     with np.errstate(invalid="ignore"):
         size = (r + 1.0) * np.sqrt((l_a + l_b) ** 2 - (1.0 - r) ** 2)
-    usable = picked[:, :, USABLE]
     with np.errstate(divide="ignore", invalid="ignore"):
-        utilisation = usable / size[:, None]
-        utilisation_error = picked[:, :, USABLE_ERROR] / size[:, None]
+        utilisation = picked[:, :, [USABLE, USABLE_ERROR, L_THETA, L_THETA_ERROR]]
+        utilisation = utilisation / size[:, None, None]
     return {
         "workspace_area": rows[:, 0, REACHED],
         "workspace_area_error": rows[:, 0, REACHED_ERROR],
         "singularity_free_workspace_area": picked[:, :, FREE],
         "singularity_free_workspace_area_error": picked[:, :, FREE_ERROR],
-        "usable_workspace_area": usable,
+        "usable_workspace_area": picked[:, :, USABLE],
         "usable_workspace_area_error": picked[:, :, USABLE_ERROR],
         "gci": picked[:, :, GCI],
         "gci_error": picked[:, :, GCI_ERROR],
         "gmi": picked[:, :, GMI],
         "gmi_error": picked[:, :, GMI_ERROR],
-        "space_utilisation": utilisation,
-        "space_utilisation_error": utilisation_error,
+        "space_utilisation": utilisation[..., 0],
+        "space_utilisation_error": utilisation[..., 1],
+        "space_utilisation_l_theta": utilisation[..., 2],
+        "space_utilisation_l_theta_error": utilisation[..., 3],
         "gci_l_theta": picked[:, :, GCI_L_THETA],
         "gci_l_theta_error": picked[:, :, GCI_L_THETA_ERROR],
         "gmi_l_theta": picked[:, :, GMI_L_THETA],

@@ -20,12 +20,14 @@ import numpy.typing as npt
 from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.base import FloatArray
 from fivebar_atlas.mechanisms.passive_leg.columns import PASSIVE_JOINTS, find_column
+from fivebar_atlas.mechanisms.passive_leg.isotropy import MAX_ISOTROPIC, isotropic_points
 from fivebar_atlas.mechanisms.passive_leg.jacobian import local_indices
 from fivebar_atlas.mechanisms.passive_leg.kinematics import reaches_at
 from fivebar_atlas.mechanisms.passive_leg.singularity import conditions_at
 from fivebar_atlas.mechanisms.passive_leg.workspace import RUNS, Runs, is_of_run
 from fivebar_atlas.numerics.quadrature import (
     cluster,
+    cluster_inverse,
     cluster_slope,
     gauss_kronrod,
     kronrod_error,
@@ -48,8 +50,18 @@ VALUES = FIXED + 3 * MAX_THRESHOLDS
 MAX_PANELS, MAX_LEAVES = 400, 64
 # Share of the tolerance that the integrals along l may take; no leaf is shorter than this in v.
 _INNER_SHARE, _SHORTEST = 0.1, 1e-4
-# Kronrod errors of smooth integrands are at least this share of the Gauss-Kronrod difference.
-_LEAST_GAIN = 0.1
+# The manipulability of a small good-condition workspace counts as if it had this share of the area.
+_LEAST_SHARE = 0.1
+# Kronrod errors of smooth integrands are at least this share of the Gauss-Kronrod difference. The
+# LCI is not smooth at isotropic points; integrals over where it reaches a threshold are not where
+# the level curve has a turning point: there columns differ in their number of crossings, and a
+# panel may miss by chance what lies between them.
+_LEAST_GAIN, _LEVEL_GAIN, _TURNING_GAIN = 0.3, 4.0, 16.0
+# Intervals are cut at isotropic points from columns no farther than this angle, unless that is as
+# near to an end in v.
+_NEAR_ANGLE, _AT_END = 0.25, 1e-3
+# Of what halving a panel has changed, its halves keep at least this share as their error.
+_KEPT_CHANGE = 1.0
 # Most places where the LCI crosses a threshold on a leaf; steps and brackets of roots.
 _MAX_CUTS = 12
 _ROOT, _MAX_STEPS, _TURNING_STEPS = 1e-12, 60, 24
@@ -58,6 +70,8 @@ _ROOT, _MAX_STEPS, _TURNING_STEPS = 1e-12, 60, 24
 _NEAR = 0.5
 # Pattern search for the largest LCI: first step as a share of the links, and the last one.
 _FIRST_STEP, _LAST_STEP = 0.02, 1e-10
+# Some node of a workspace with an isotropic point has more than this LCI.
+_NEARLY_ISOTROPIC = 0.9
 
 
 class Integrals(Protocol):
@@ -78,6 +92,9 @@ class Integrals(Protocol):
         The sums, shape (VALUES,).
     column_values, column_errors
         Integrals along the intervals of one column, shape (VALUES,).
+    column_cuts, most_cuts, fewest_cuts
+        How often a column crosses each threshold; most and fewest in a panel, shape
+        (MAX_THRESHOLDS,).
     gauss
         Gauss sums of a panel, shape (VALUES,).
     leaf_low, leaf_high
@@ -88,6 +105,10 @@ class Integrals(Protocol):
         Where a threshold is crossed, shape (_MAX_CUTS + 2,).
     best
         Largest LCI of a node, l and θ there, shape (3,).
+    halved
+        Integrals over the panel that was halved last, shape (VALUES,).
+    isotropic, isotropic_count
+        Isotropic points, l and θ, shape (MAX_ISOTROPIC, 2), and their number, shape (1,).
     missed
         Angle of a column that is not of its run, shape (1,).
     """
@@ -106,6 +127,9 @@ class Integrals(Protocol):
     total_error: FloatArray
     column_values: FloatArray
     column_errors: FloatArray
+    column_cuts: IndexArray
+    most_cuts: IndexArray
+    fewest_cuts: IndexArray
     gauss: FloatArray
     leaf_low: FloatArray
     leaf_high: FloatArray
@@ -115,6 +139,9 @@ class Integrals(Protocol):
     length: FloatArray
     cuts: FloatArray
     best: FloatArray
+    halved: FloatArray
+    isotropic: FloatArray
+    isotropic_count: IndexArray
     missed: FloatArray
 
 
@@ -122,17 +149,20 @@ _PANELS = (MAX_PANELS, VALUES)
 INTEGRALS = record_type(
     ("runs", RUNS, ()),
     *((name, np.float64, (NODES,)) for name in ("nodes", "weights", "gauss_weights")),
+    *((name, np.int64, (MAX_THRESHOLDS,)) for name in ("column_cuts", "most_cuts", "fewest_cuts")),
     ("panel_run", np.int64, (MAX_PANELS,)),
     *((name, np.float64, (MAX_PANELS,)) for name in ("panel_low", "panel_high")),
     *((name, np.float64, _PANELS) for name in ("panel_values", "panel_errors", "panel_inner")),
     *(
         (name, np.float64, (VALUES,))
-        for name in ("total", "total_error", "column_values", "column_errors", "gauss")
+        for name in ("total", "total_error", "column_values", "column_errors", "gauss", "halved")
     ),
     *((name, np.float64, (MAX_LEAVES,)) for name in ("leaf_low", "leaf_high")),
     *((name, np.float64, (NODES + 2,)) for name in ("v", "lci", "manipulability", "length")),
     ("cuts", np.float64, (_MAX_CUTS + 2,)),
     ("best", np.float64, (3,)),
+    ("isotropic", np.float64, (MAX_ISOTROPIC, 2)),
+    ("isotropic_count", np.int64, (1,)),
     ("missed", np.float64, (1,)),
 )
 
@@ -263,8 +293,21 @@ def integrate_interval(
     kinds = len(thresholds)
     w.column_values[AREA] += 0.5 * (high - low) * (high + low)
     w.column_values[WIDTH] += width
-    leaves = 1
-    w.leaf_low[0], w.leaf_high[0] = 0.0, 1.0
+    # leaves end where the tip of a cone is near
+    leaves, start_v = 0, 0.0
+    while True:
+        end_v = 1.0
+        for k in range(w.isotropic_count[0]):
+            at, off = w.isotropic[k, 0], abs(w.isotropic[k, 1] - theta)
+            if off < _NEAR_ANGLE and low < at < high:
+                v = cluster_inverse((at - low) / width)
+                if start_v + _AT_END < v < end_v - _AT_END:
+                    end_v = v
+        w.leaf_low[leaves], w.leaf_high[leaves] = start_v, end_v
+        leaves += 1
+        if end_v == 1.0:
+            break
+        start_v = end_v
     while leaves > 0:
         leaves -= 1
         a, b = w.leaf_low[leaves], w.leaf_high[leaves]
@@ -290,8 +333,8 @@ def integrate_interval(
             g3 += gauss * second
             if first > w.best[0]:
                 w.best[0], w.best[1], w.best[2] = first, w.length[j], theta
-        e0, e1 = kronrod_error(abs(k0 - g0), k0, _LEAST_GAIN), 0.0
-        e2, e3 = kronrod_error(abs(k2 - g2), k2, _LEAST_GAIN), 0.0
+        e0, e1 = abs(k0 - g0), 0.0
+        e2, e3 = abs(k2 - g2), 0.0
         is_good = e0 <= tolerance * k0 and e2 <= tolerance * k2
         if has_manipulability:
             e1 = kronrod_error(abs(k1 - g1), k1, _LEAST_GAIN)
@@ -315,6 +358,7 @@ def integrate_interval(
             threshold = thresholds[kind]
             at = FIXED + 3 * kind
             cuts = _find_cuts(w, threshold, r, l_a, l_b, c, s, elbow1, elbow2, low, width)
+            w.column_cuts[kind] += cuts
             if cuts == 0:
                 if w.lci[NODES // 2 + 1] >= threshold:
                     start, end = w.length[0], w.length[NODES + 1]
@@ -345,7 +389,7 @@ def integrate_interval(
                     g1 += slope * w.gauss_weights[j] * second
                 w.column_values[at + 1] += k0
                 w.column_values[at + 2] += k1
-                w.column_errors[at + 1] += kronrod_error(abs(k0 - g0), k0, _LEAST_GAIN)
+                w.column_errors[at + 1] += abs(k0 - g0)
                 w.column_errors[at + 2] += kronrod_error(abs(k1 - g1), k1, _LEAST_GAIN)
 
 
@@ -372,6 +416,7 @@ def _integrate_panel(
             return False
         w.column_values[:] = 0.0
         w.column_errors[:] = 0.0
+        w.column_cuts[:] = 0
         for i in range(runs.intervals[run]):
             if part >= 0 and runs.part[run, i] != part:
                 continue
@@ -383,6 +428,10 @@ def _integrate_panel(
                 )  # fmt: skip
             else:
                 w.column_values[AREA] += 0.5 * (high - low) * (high + low)
+        for kind in range(len(thresholds)):
+            cuts = w.column_cuts[kind]
+            w.most_cuts[kind] = cuts if j == 0 else max(cuts, w.most_cuts[kind])
+            w.fewest_cuts[kind] = cuts if j == 0 else min(cuts, w.fewest_cuts[kind])
         slope = span * cluster_slope(v) * (b - a)
         for k in range(VALUES):
             w.panel_values[panel, k] += slope * w.weights[j] * w.column_values[k]
@@ -390,9 +439,29 @@ def _integrate_panel(
             w.gauss[k] += slope * w.gauss_weights[j] * w.column_values[k]
     for k in range(VALUES):
         value = w.panel_values[panel, k]
-        gain = _LEAST_GAIN if k < FIXED else 1.0
-        w.panel_errors[panel, k] = kronrod_error(abs(value - w.gauss[k]), value, gain)
+        difference = abs(value - w.gauss[k])
+        if k >= FIXED:
+            kind = (k - FIXED) // 3
+            turns = kind < len(thresholds) and w.most_cuts[kind] > w.fewest_cuts[kind]
+            difference *= _TURNING_GAIN if turns else _LEVEL_GAIN
+        elif k != LCI and k != LCI_WIDTH:
+            difference = kronrod_error(difference, value, _LEAST_GAIN)
+        w.panel_errors[panel, k] = difference
     return True
+
+
+@kernel
+def _keep_change(w: Integrals, one: int, other: int) -> None:
+    """Raise the errors of two halves to a share of what they changed; see ``_KEPT_CHANGE``."""
+    for k in range(VALUES):
+        change = abs(w.panel_values[one, k] + w.panel_values[other, k] - w.halved[k])
+        errors = w.panel_errors[one, k] + w.panel_errors[other, k]
+        if errors < _KEPT_CHANGE * change:
+            if errors > 0.0:
+                w.panel_errors[one, k] *= _KEPT_CHANGE * change / errors
+                w.panel_errors[other, k] *= _KEPT_CHANGE * change / errors
+            else:
+                w.panel_errors[one, k] = w.panel_errors[other, k] = 0.5 * _KEPT_CHANGE * change
 
 
 @kernel
@@ -409,15 +478,15 @@ def _sum_panels(w: Integrals, panels: int) -> None:
 @kernel
 def _scale_of(w: Integrals, k: int, has_manipulability: bool) -> float:
     """Return what the error of an integral is measured by; 0 where it does not count."""
-    if k == AREA or k == WIDTH or k == LCI or k == LCI_WIDTH:
-        return w.total[k]
-    if k == MANIPULABILITY or k == MANIPULABILITY_WIDTH:
-        return w.total[k] if has_manipulability else 0.0
+    if k in (AREA, WIDTH, LCI, LCI_WIDTH):
+        return float(w.total[k])
+    if k in (MANIPULABILITY, MANIPULABILITY_WIDTH):
+        return float(w.total[k]) if has_manipulability else 0.0
     which = (k - FIXED) % 3
     # a small good-condition workspace counts as a part of the whole
     if which == 0:
-        return w.total[AREA]
-    return w.total[LCI] if which == 1 else 0.1 * w.total[AREA] + w.total[k]
+        return float(w.total[AREA])
+    return float(w.total[LCI] if which == 1 else w.total[k] + _LEAST_SHARE * w.total[AREA])
 
 
 @kernel
@@ -451,6 +520,12 @@ def integrate_part(
         0: done, 1: tolerance not reached, 2: columns are missing from the runs.
     """
     runs = w.runs
+    w.isotropic_count[0] = 0
+    if has_indices:
+        limit = max(abs(runs.start[0]), abs(runs.end[runs.count[0] - 1]))
+        w.isotropic_count[0] = isotropic_points(
+            r, l_a, l_b, limit, elbow1, elbow2, sign, conditions, w.isotropic
+        )
     values = FIXED + 3 * len(thresholds) if has_indices else 1
     w.best[0] = -1.0
     panels = 0
@@ -461,10 +536,24 @@ def integrate_part(
         for i in range(runs.intervals[run]):
             if part < 0 or runs.part[run, i] == part:
                 is_used = True
-        if is_used:
-            w.panel_run[panels], w.panel_low[panels], w.panel_high[panels] = run, 0.0, 1.0
+        if not is_used:
+            continue
+        # panels end at the angles of isotropic points
+        start_v, span = 0.0, runs.end[run] - runs.start[run]
+        while True:
+            end_v = 1.0
+            for k in range(w.isotropic_count[0] if has_indices else 0):
+                at = (w.isotropic[k, 1] - runs.start[run]) / span
+                if 0.0 < at < 1.0:
+                    v = cluster_inverse(at)
+                    if start_v + _AT_END < v < end_v - _AT_END:
+                        end_v = v
+            w.panel_run[panels], w.panel_low[panels], w.panel_high[panels] = run, start_v, end_v
             panels += 1
-    done = 0
+            if end_v == 1.0:
+                break
+            start_v = end_v
+    done, is_halved = 0, False
     while True:
         while done < panels:
             if not _integrate_panel(
@@ -473,6 +562,8 @@ def integrate_part(
             ):  # fmt: skip
                 return 2
             done += 1
+        if is_halved:
+            _keep_change(w, panels - 2, panels - 1)
         _sum_panels(w, panels)
         worst, worst_share, is_reached = -1, 0.0, True
         for k in range(values):
@@ -496,6 +587,7 @@ def integrate_part(
         # the half on the right becomes a new panel, that on the left takes the place of the last
         middle = 0.5 * (w.panel_low[worst] + w.panel_high[worst])
         last = panels - 1
+        w.halved[:] = w.panel_values[worst, :]
         run, low, high = w.panel_run[worst], w.panel_low[worst], w.panel_high[worst]
         w.panel_run[worst] = w.panel_run[last]
         w.panel_low[worst], w.panel_high[worst] = w.panel_low[last], w.panel_high[last]
@@ -504,7 +596,7 @@ def integrate_part(
         w.panel_inner[worst, :] = w.panel_inner[last, :]
         w.panel_run[last], w.panel_low[last], w.panel_high[last] = run, low, middle
         w.panel_run[panels], w.panel_low[panels], w.panel_high[panels] = run, middle, high
-        done = last
+        done, is_halved = last, True
         panels += 1
 
 
@@ -513,9 +605,11 @@ def largest_lci(
     w: Integrals, r: float, l_a: float, l_b: float, theta_limit: float,
     elbow1: float, elbow2: float, sign: float, conditions: int,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the largest LCI near the best node, and l and θ there, by a pattern search."""
+    """Return the largest LCI, and l and θ there: an isotropic point, or near the best node."""
     best, length, theta = w.best[0], w.best[1], w.best[2]
     step = _FIRST_STEP
+    if w.isotropic_count[0] > 0 and best > _NEARLY_ISOTROPIC:
+        return 1.0, w.isotropic[0, 0], w.isotropic[0, 1]
     while step > _LAST_STEP:
         is_better = False
         for direction in range(8):
