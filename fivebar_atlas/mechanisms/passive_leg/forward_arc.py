@@ -188,10 +188,15 @@ class ForwardArc(Arc):
 
     def at(self, shares: FloatArray) -> FloatArray:
         """Return l, θ, χ1, χ2 at shares of the arc, shape (n, 4)."""
+        return moved_onto(self.lengths, self._spline(np.clip(shares, 0.0, 1.0)))
+
+    @functools.cached_property
+    def _spline(self) -> Callable[[FloatArray], FloatArray]:
+        """The cubic spline through the nodes."""
         from scipy.interpolate import CubicSpline
 
-        guess = CubicSpline(self._places, self.nodes)(np.clip(shares, 0.0, 1.0))
-        return moved_onto(self.lengths, guess)
+        spline: Callable[[FloatArray], FloatArray] = CubicSpline(self._places, self.nodes)
+        return spline
 
     @functools.cached_property
     def _places(self) -> FloatArray:

@@ -164,12 +164,12 @@ def mode_part(lengths: Lengths, limits: Limits, signs: Signs) -> ModePart | None
     elbows = (-1.0, -1.0) if signs[0] == signs[1] else (-float(signs[0]), -float(signs[1]))
     sign = -float(signs[2])
     conditions = ONE_SIGN | PASSIVE_JOINTS if limits.joints else ONE_SIGN
-    state, is_symmetric, _ = integrate_workspace(
+    state, _ = integrate_workspace(
         w, r, l_a, l_b, limits.theta, *elbows, sign, conditions, np.empty(0), _TOLERANCE, False
     )
     if state < 0:
         return None
-    part, _, _ = largest_part(w.runs, is_half)
+    part, is_symmetric, _ = largest_part(w.runs, is_half)
     if is_half and not is_symmetric:
         turn = -turn
     return ModePart(

@@ -21,7 +21,10 @@ from fivebar_atlas.mechanisms.mode_pairs import (
     parse_mode_pair,
 )
 from fivebar_atlas.mechanisms.passive_leg import points
-from fivebar_atlas.mechanisms.passive_leg.containment import bounds_on_discs
+from fivebar_atlas.mechanisms.passive_leg.containment import (
+    bounds_on_discs,
+    bounds_on_segments,
+)
 from fivebar_atlas.mechanisms.passive_leg.evaluation import evaluate_designs
 from fivebar_atlas.mechanisms.passive_leg.inscribed_circle import largest_circle_on_axis
 from fivebar_atlas.mechanisms.passive_leg.loci import Limits, isolated_points, singular_arcs
@@ -30,6 +33,7 @@ from fivebar_atlas.mechanisms.passive_leg.path import check_path
 from fivebar_atlas.mechanisms.passive_leg.path_least import least_on_path
 from fivebar_atlas.mechanisms.passive_leg.points import Lengths
 from fivebar_atlas.mechanisms.passive_leg.poses import forward_poses, inverse_poses, pose_at
+from fivebar_atlas.mechanisms.paths import columns
 from fivebar_atlas.mechanisms.planar import PathLeast, PathReport, PlanarDesign, Pose
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
@@ -147,7 +151,9 @@ class PassiveLeg(PlanarDesign):
             found.append("third kind of singularity at O (R − r = l_b − l_a)")
         if self.theta_limit < 0.5 * math.pi:
             found.append(f"|θ| up to {math.degrees(self.theta_limit):.6g} deg")
-        limits = "upper links below the platform" if self.passive_joint_limits else "no joint limits"
+        limits = (
+            "upper links below the platform" if self.passive_joint_limits else "no joint limits"
+        )
         return (*found, limits)
 
     def singular_loci(self, mode: str | None = None) -> tuple[NamedArc, ...]:
@@ -214,9 +220,7 @@ class PassiveLeg(PlanarDesign):
         )
         largest = self.largest_lci(mode)
         peaks = () if largest is None else (largest[1],)
-        return level_regions(
-            field, lci_threshold, "LCI", r"$1/\kappa_J$", peaks, _LEVEL_DEVIATION
-        )
+        return level_regions(field, lci_threshold, "LCI", r"$1/\kappa_J$", peaks, _LEVEL_DEVIATION)
 
     def good_condition_area(
         self, lci_threshold: float = 0.5, mode: str = "+-/up"
@@ -273,6 +277,13 @@ class PassiveLeg(PlanarDesign):
         points.inputs_at(*self._lengths, self.theta_limit, *flat, *_elbows(mode), out)
         return out.reshape(*shape, 2)
 
+    def upper_links(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
+        """Return p1, q1, p2, q2, the upper links in the axes of the platform, shape (..., 4)."""
+        flat, shape = _points(x, y)
+        out = np.empty((len(flat[0]), 4))
+        points.upper_links_at(*self._lengths, self.theta_limit, *flat, *_elbows(mode), out)
+        return out.reshape(*shape, 4)
+
     def joint_positions(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
         """Return B1, B2, O, d1, d2, b1 and b2 as one array of shape (..., 7, 2)."""
         flat, shape = _points(x, y)
@@ -314,6 +325,29 @@ class PassiveLeg(PlanarDesign):
         least, turns = np.empty(len(xs)), np.empty((len(xs), 2))
         bounds_on_discs(
             *self._lengths, self.theta_limit, self.passive_joint_limits, xs, ys, radii,
+            *_elbows(mode), least, turns,
+        )  # fmt: skip
+        return least, turns
+
+    def bounds_on_segments(
+        self, starts: FloatArray, ends: FloatArray, mode: str = "+-"
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return a lower bound of the LCI on segments, and how far φ1 and φ2 turn at most.
+
+        As :meth:`bounds_on_discs`, and closer; turns are those from the middle.
+
+        Parameters
+        ----------
+        starts, ends
+            Ends of the segments, shape (n, 2).
+        mode
+            Working mode, alone or as part of a mode pair.
+        """
+        x, y = columns(0.5 * (starts + ends))
+        dx, dy = columns(0.5 * (ends - starts))
+        least, turns = np.empty(len(x)), np.empty((len(x), 2))
+        bounds_on_segments(
+            *self._lengths, self.theta_limit, self.passive_joint_limits, x, y, dx, dy,
             *_elbows(mode), least, turns,
         )  # fmt: skip
         return least, turns
@@ -400,7 +434,7 @@ class PassiveLeg(PlanarDesign):
         InputError
             If there are no points, or one is not finite.
         """
-        return check_path(self, parse_mode_pair(mode), np.asarray(points, dtype=np.float64))
+        return check_path(self, parse_mode_pair(mode), points)
 
     def least_on_path(
         self, points: npt.ArrayLike, mode: str = "+-/up"
@@ -416,7 +450,7 @@ class PassiveLeg(PlanarDesign):
         InputError
             If the path cannot be followed.
         """
-        return least_on_path(self, parse_mode_pair(mode), np.asarray(points, dtype=np.float64))
+        return least_on_path(self, parse_mode_pair(mode), points)
 
     def _evaluated(self, mode: str, thresholds: FloatArray) -> dict[str, npt.NDArray[np.float64]]:
         """Return the quantities of the one mode pair."""
