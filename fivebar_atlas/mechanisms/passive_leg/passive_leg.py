@@ -145,10 +145,10 @@ class PassiveLeg(PlanarDesign):
         return tuple(zip(("$R$", "$r$", "$l_a$", "$l_b$"), self._lengths, strict=True))
 
     def remarks(self) -> tuple[str, ...]:
-        """Return whether the design has the architecture singularity, and its limits, in words."""
+        """Return whether R - r = l_b - l_a, a singularity of the third kind, and the limits."""
         found = []
         if abs(self.l_b - self.l_a - (1.0 - self.r)) <= _SAME:
-            found.append("third kind of singularity at O (R − r = l_b − l_a)")
+            found.append("architecture singularity at O")
         if self.theta_limit < 0.5 * math.pi:
             found.append(f"|θ| up to {math.degrees(self.theta_limit):.6g} deg")
         limits = (
