@@ -87,13 +87,6 @@ class CheckedPath:
         return "feasible" if fault is None else self._fault_text(fault, numbered=True)
 
     @property
-    def parameters(self) -> dict[str, float]:
-        """Parameters of the design by their symbols in plain letters."""
-        return {
-            symbol.strip("$").replace("_", ""): value for symbol, value in self.design.parameters
-        }
-
-    @property
     def lengths(self) -> FloatArray:
         """Length of the way to every corner, shape (n,)."""
         return path_lengths(self.report.points)
@@ -136,7 +129,7 @@ class CheckedPath:
             "mechanism": self.design.mechanism,
             "mode": report.mode,
             "unit": self.design.unit,
-            **self.parameters,
+            **self.design.named_lengths,
             "dimensional_factor": self.design.factor,
             "remarks": list(self.design.remarks()),
             "closed": self.is_closed,

@@ -8,7 +8,7 @@ Nothing here knows the command line; it only says what went wrong.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 
@@ -45,6 +45,10 @@ class InputError(AtlasError, ValueError):
         self.value = value
         self.allowed = allowed
 
+    def renamed(self, name: str, value: Any) -> InputError:
+        """Return the same error for a value under another name, as the user wrote both."""
+        return InputError(name, value, self.allowed)
+
 
 class UnknownNameError(InputError):
     """A name is not among those there are; the nearest known one is offered."""
@@ -55,6 +59,46 @@ class UnknownNameError(InputError):
         hint = f" (did you mean {near[0]!r}?)" if near else ""
         super().__init__(name, value, f"one of {', '.join(known)}{hint}")
         self.known = known
+
+    def renamed(self, name: str, value: Any) -> InputError:
+        """Return the same error for a value under another name, as the user wrote both."""
+        return UnknownNameError(name, value, self.known)
+
+
+class ForeignNameError(UnknownNameError):
+    """A name that is not among those of the mechanism of a file, but one of another mechanism.
+
+    Parameters
+    ----------
+    name, value, known
+        As for :class:`UnknownNameError`.
+    kind
+        What the name is there: ``"quantity"``, ``"parameter"`` or ``"mode pair"``.
+    owners
+        The mechanisms whose name it is.
+    own
+        The mechanism of the file.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        value: str,
+        known: Iterable[str],
+        kind: str,
+        owners: Sequence[str],
+        own: str,
+    ) -> None:
+        super().__init__(name, value, known)
+        self.kind, self.owners, self.own = kind, owners, own
+        self.args = (
+            f"{name}: {value!r} is a {kind} of {', '.join(owners)}; this file is of {own}, "
+            f"which has {', '.join(self.known)}",
+        )
+
+    def renamed(self, name: str, value: Any) -> InputError:
+        """Return the same error for a value under another name, as the user wrote both."""
+        return ForeignNameError(name, value, self.known, self.kind, self.owners, self.own)
 
 
 class OutOfReachError(InputError):

@@ -11,7 +11,7 @@ import functools
 import importlib.metadata
 import io
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -442,7 +442,24 @@ class Atlas:
 
     def quantity(self, name: str) -> Quantity:
         """Return unit, meaning and axes of a quantity; raise UnknownNameError."""
-        return self.mechanism.quantity(name)
+        try:
+            return self.mechanism.quantity(name)
+        except UnknownNameError as error:
+            raise self.unknown("quantity", name, error.known) from None
+
+    def unknown(self, name: str, value: str, known: Iterable[str]) -> UnknownNameError:
+        """Return the error for a name that the file does not have, but maybe another's has.
+
+        Parameters
+        ----------
+        name
+            Name of the input.
+        value
+            What is not known.
+        known
+            What the file has.
+        """
+        return mechanisms.unknown_name(self.mechanism, name, value, known)
 
     def normalised(self, name: str) -> NormalisedFunction:
         """Return a normalised product as a function, with the extremes of this atlas.
@@ -492,7 +509,7 @@ class Atlas:
         ]
         known = [*self.names, *columns]
         if name not in known:
-            raise UnknownNameError("quantity", name, known)
+            raise self.unknown("quantity", name, known)
         return self.read(name, ...)
 
     def read(self, name: str, selection: Any) -> npt.NDArray[Any]:
@@ -530,7 +547,7 @@ class Atlas:
             If the dataset is damaged.
         """
         if name not in self.names:
-            raise UnknownNameError("quantity", name, self.names)
+            raise self.unknown("quantity", name, self.names)
         return self.read(name, (slice(None), *self._indices(name, mode, lci)))
 
     def _indices(self, name: str, mode: str | None, lci: float | None) -> tuple[int, ...]:
@@ -546,7 +563,10 @@ class Atlas:
 
     def mode_index(self, mode: str | None) -> int:
         """Return the place of a mode pair on the mode axis; raise as :meth:`select` does."""
-        label = mode if mode is None else self.mechanism.parse_mode(mode)
+        try:
+            label = mode if mode is None else self.mechanism.parse_mode(mode)
+        except UnknownNameError as error:
+            raise self.unknown(error.name, error.value, error.known) from None
         if label is None and len(self.modes) == 1:
             return 0
         if label not in self.modes:

@@ -1,18 +1,21 @@
 """A mechanism of three free parameters, whose design spaces are slices: one of them is fixed.
 
 There are more such spaces than can be listed: ``"b=0.25"`` has all designs with b = 0.25. The
-quantities are linear in a and c, so that interpolation in a lattice of a slice is exact.
+quantities are linear in a and c, so that interpolation in a lattice of a slice is exact. A
+machine has a fourth length A, which is 1 in every design; its name differs from that of a by
+its case only.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.errors import UnknownNameError
+from fivebar_atlas.errors import InputError, UnknownNameError
 from fivebar_atlas.mechanisms.base import (
     DESIGN,
     MODE,
@@ -43,6 +46,10 @@ class SlicedMechanism(Mechanism):
         Parameter("b", "$b$", "1", "second link"),
         Parameter("c", "$c$", "1", "third link"),
     )
+    lengths = (Parameter("A", "$A$", "1", "frame"), *parameters)
+    proportions = lengths
+    factor_phrase = "A"
+    design_phrase = "A = 1"
     quantities = (Quantity("stretch", "$s$", "1", "stretch", (DESIGN, MODE), length_power=1),)
     modes = ("only",)
     spaces = ("b=0.5",)
@@ -64,6 +71,18 @@ class SlicedMechanism(Mechanism):
         if found is None or not float(found[2]) <= 1.0:
             raise UnknownNameError(name, text, ("a=VALUE", "b=VALUE", "c=VALUE"))
         return f"{found[1]}={float(found[2])!r}"
+
+    def proportions_of(self, parameters: FloatArray) -> FloatArray:
+        """Return a frame of 1 before the links."""
+        return np.insert(parameters, 0, 1.0, axis=1)
+
+    def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
+        """Scale by D = A."""
+        self.check_count(lengths)
+        frame, *links = lengths
+        if not frame > 0.0:
+            raise InputError("A", frame, "a length above 0")
+        return np.array(links) / frame, float(frame)
 
     def lattice(self, space: str, resolution: int) -> FloatArray:
         """Return a square of (N + 1)² designs."""

@@ -41,6 +41,8 @@ KINDS = [
     ("quantity", "gci_error"),
     ("quantity", "sub_region"),
     ("quantity", "good_condition_gci", "--lci", "0.3"),
+    ("surface", "gci"),
+    ("surface", "usable_workspace_area_error", "--elevation", "40", "--azimuth", "30"),
     ("design-space",),
 ]
 
@@ -134,9 +136,9 @@ def test_a_line_of_designs_is_drawn_and_reported(
 def test_help_lists_the_kinds_with_what_they_are(atlas: Command) -> None:
     outcome = atlas("plot", "--help")
     assert outcome.code == 0
-    for kind in ("area", "design-space", "gci", "quantity", "region"):
+    for kind in ("area", "design-space", "gci", "quantity", "region", "surface"):
         assert f"  {kind} " in outcome.out
-    for kind in ("area", "design-space", "gci", "quantity", "region"):
+    for kind in ("area", "design-space", "gci", "quantity", "region", "surface"):
         text = atlas("plot", kind, "--help").out
         assert text.startswith(f"Usage: atlas plot {kind} [OPTIONS]")
         assert "--overwrite" in text
@@ -197,6 +199,22 @@ def test_a_figure_needs_no_kernels_and_no_display(single: Path, tmp_path: Path) 
         (("plot", "gci", "FILE", "-o", "x.png", "--lci", "half"), 2, ["half"]),
         (("plot", "quantity", "gcj", "FILE", "-o", "x.png"), 2, ["'gcj'", "did you mean 'gci'"]),
         (("plot", "quantity", "r1", "FILE", "-o", "x.png"), 2, ["quantity: 'r1'"]),
+        (
+            ("plot", "surface", "status", "FILE", "-o", "x.png", "--mode", "+-/up"),
+            2,
+            ["'status'", "a category has no height"],
+        ),
+        (("plot", "surface", "gcj", "FILE", "-o", "x.png"), 2, ["'gcj'", "did you mean 'gci'"]),
+        (
+            ("plot", "surface", "gci", "FILE", "-o", "x.png", "--elevation", "90"),
+            2,
+            ["elevation: 90", "from 5 to 80"],
+        ),
+        (
+            ("plot", "surface", "gci", "FILE", "-o", "x.png", "--azimuth", "nan"),
+            2,
+            ["azimuth: nan", "from -360 to 360"],
+        ),
         (("plot", "region", "FILE", "-o", "x.png", "--mode", "+-/up"), 2, ["--where"]),
         (
             ("plot", "region", "FILE", "-o", "x.png", "--mode", "+-/up", "--where", "gci=0.6"),

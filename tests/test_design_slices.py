@@ -67,14 +67,14 @@ def test_sides_are_named_by_parameters_that_are_free(sliced: str) -> None:
 def test_designs_of_the_slice_are_looked_up_and_no_others(
     atlas: Command, file: Path, refused: Callable[..., str]
 ) -> None:
-    found = json.loads(atlas("lookup", 0.3, 0.25, 0.7, file, "--json").out)
+    found = json.loads(atlas("lookup", 1, 0.3, 0.25, 0.7, file, "--json").out)
     (value,) = found["values"]
     assert value["exact"] == pytest.approx(0.3 + 0.0625 + 2.1, rel=1e-14)
     assert value["interpolated"] == pytest.approx(value["exact"], rel=1e-14)
-    line = refused("lookup", 0.3, 0.26, 0.7, file)
+    line = refused("lookup", 1, 0.3, 0.26, 0.7, file)
     assert line.startswith("design: ")
     assert "b=0.25 space" in line
-    assert "beyond c = 1" in refused("lookup", 0.3, 0.25, 1.7, file)
+    assert "beyond c = 1" in refused("lookup", 1, 0.3, 0.25, 1.7, file)
 
 
 def test_the_best_design_of_a_slice_keeps_its_fixed_parameter(atlas: Command, file: Path) -> None:

@@ -29,6 +29,7 @@ from fivebar_atlas.figures.atlas_figures import (
     condition_text,
     quantity_figure,
     region_figure,
+    surface_figure,
 )
 from fivebar_atlas.figures.category_map import category_map, magnitude_map
 from fivebar_atlas.figures.charted_designs import ChartedDesigns
@@ -428,6 +429,10 @@ def varied_figures(atlas: Atlas, width: float) -> Iterator[tuple[str, Figure]]:
         "status",
     ):
         yield name, quantity_figure(atlas, name, WITH_EMPTY, 0.5, width=width)
+    for elevation, azimuth in ((25.0, -65.0), (10.0, -100.0), (60.0, 35.0), (25.0, 180.0)):
+        view = {"elevation": elevation, "azimuth": azimuth, "width": width}
+        for name in ("usable_workspace_area", "gci_error", "good_condition_gci"):
+            yield f"{name}, {view}", surface_figure(atlas, name, WITH_EMPTY, 0.5, **view)
     for text in ("gci>=0.45", "good_condition_gci>0.9"):
         condition = parse_condition(text)
         found = optimum_region(atlas, [condition], WITH_EMPTY, 0.5)

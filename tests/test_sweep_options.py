@@ -116,7 +116,7 @@ def test_wrong_values_on_the_command_line_are_named(
     sliced: str, refused: Callable[..., str], typed: tuple[str, ...], message: str
 ) -> None:
     pairs = [part for text in typed for part in ("--set", text)]
-    assert refused("evaluate", 0.1, 0.2, 0.3, "--mechanism", sliced, *pairs) == message
+    assert refused("evaluate", 1, 0.1, 0.2, 0.3, "--mechanism", sliced, *pairs) == message
     assert refused("config", "show", "--mechanism", sliced, *pairs) == message
 
 
@@ -159,12 +159,12 @@ def test_options_go_from_sweep_to_file_info_and_numbers(
     document = json.loads(atlas("info", output, "--json").out)
     assert document["options"] == {"gain": 3.0, "is_mirrored": True}
     assert "options         gain = 3 deg, is_mirrored = true\n" in atlas("info", output).out
-    found = json.loads(atlas("lookup", 0.1, 0.5, 0.3, output, "--json").out)
+    found = json.loads(atlas("lookup", 1, 0.1, 0.5, 0.3, output, "--json").out)
     assert found["values"][0]["exact"] == pytest.approx(-3.0 * (0.1 + 0.25 + 0.9))
 
 
 def test_options_of_one_design_are_shown_with_its_values(sliced: str, atlas: Command) -> None:
-    command = ("evaluate", 0.1, 0.2, 0.3, "--mechanism", sliced, "--set", "gain=2")
+    command = ("evaluate", 1, 0.1, 0.2, 0.3, "--mechanism", sliced, "--set", "gain=2")
     document = json.loads(atlas(*command, "--json").out)
     assert document["options"] == {"gain": 2.0, "is_mirrored": False}
     assert document["stretch"] == [pytest.approx(2.0 * (0.1 + 0.04 + 0.9))]

@@ -36,6 +36,7 @@ _COMMANDS = {
     "export": "Write a result file as a table.",
     "geometry": "List or write loci, workspaces and circles of one design as exact arcs.",
     "config": "Look at configurations.",
+    "mechanisms": "List the mechanisms, and what each takes and computes.",
 }
 
 _FAILED = 1

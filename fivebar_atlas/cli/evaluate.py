@@ -29,7 +29,7 @@ def evaluate(
 ) -> None:
     """Evaluate one design, dimensional or not: workspaces, indices, circles.
 
-    Lengths are scaled to a non-dimensional design by D = (R1 + R2 + R3)/3; both are
+    Lengths are scaled to a non-dimensional design by a dimensional factor D; both are
     reported. Lengths scale back with D, areas with its square.
     """
     from fivebar_atlas import mechanisms

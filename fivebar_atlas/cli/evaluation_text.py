@@ -83,11 +83,10 @@ class EvaluationText:
     @property
     def title(self) -> str:
         """What was evaluated."""
-        names = [parameter.name for parameter in self.mechanism.parameters]
-        if self.factor != 1.0:
-            names = [name.upper() for name in names]
-        pairs = zip(names, self.lengths, strict=True)
-        return "Design " + ", ".join(f"{name} = {length:.8g}" for name, length in pairs)
+        mechanism = self.mechanism
+        named = mechanism.proportions if self.factor == 1.0 else mechanism.lengths
+        pairs = zip(named, self.lengths, strict=True)
+        return "Design " + ", ".join(f"{each.name} = {length:.8g}" for each, length in pairs)
 
     @property
     def summary(self) -> str:
@@ -130,10 +129,9 @@ class EvaluationText:
             Row("Relative tolerance", f"{settings.tolerance:g}", note="of what is integrated"),
             *option_rows(self.mechanism, settings.options),
         )
-        sentence = (
-            "Values are those of the design scaled to r1 + r2 + r3 = 3; what is integrated has an "
-            "absolute error estimate."
-        )
+        scaled = self.mechanism.design_phrase
+        sentence = f"Values are those of the design scaled to {scaled}; what" if scaled else "What"
+        sentence += " is integrated has an absolute error estimate."
         if self.factor != 1.0:
             sentence += " The last column has lengths times D and areas times D²."
         return [
@@ -172,14 +170,14 @@ class EvaluationText:
         return {axis.name: axis for axis in self.mechanism.axes(self.settings)}
 
     def _of_design(self) -> Iterator[_Entry]:
-        """Yield D, the parameters, and the quantities that do not depend on the mode pair."""
+        """Yield D, the lengths, and the quantities that do not depend on the mode pair."""
         from fivebar_atlas.mechanisms.base import MODE
 
         yield _Entry("dimensional factor D", "dimensional factor D", f"{self.factor:.8g}")
-        for parameter, value in zip(self.mechanism.parameters, self.parameters, strict=True):
+        (proportions,) = self.mechanism.proportions_of(self.parameters[None])
+        for each, value in zip(self.mechanism.proportions, proportions, strict=True):
             length = "" if self.factor == 1.0 else f"{self.factor * value:.8g}"
-            meaning = f"{parameter.long_name} {parameter.name}"
-            yield _Entry(parameter.name, meaning, f"{value:.8g}", "", length)
+            yield _Entry(each.name, f"{each.long_name} {each.name}", f"{value:.8g}", "", length)
         for quantity in self.mechanism.quantities:
             if MODE not in quantity.dimensions:
                 yield from self._entries(quantity, {})

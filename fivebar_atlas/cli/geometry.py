@@ -82,7 +82,7 @@ def geometry(
     inscribed circles).
 
     Circles stay circles in SVG and DXF, both in the size of the machine; CSV has a row for
-    each point. Lengths have the unit of R1 R2 R3. The outline of a good-condition workspace
+    each point. Lengths have the unit of LENGTHS. The outline of a good-condition workspace
     is a polygon with corners on the level curve; atlas evaluate integrates its area. DXF
     files need the package ezdxf.
     """

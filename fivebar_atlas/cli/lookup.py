@@ -23,11 +23,11 @@ _WIDTHS = (14, 14, 9, 11, 14, 14)
 @options.file_argument
 @options.json_option
 def lookup(lengths: list[float], file: str, as_json: bool) -> None:
-    """Look up one machine in an atlas.
+    """Look up one machine in an atlas, by the lengths that its mechanism has.
 
-    Shows its dimensional factor D = (R1 + R2 + R3)/3, its non-dimensional design and,
-    for every stored quantity, the value interpolated between designs of the lattice, the
-    exact one and the difference; lengths and areas also in the unit of the machine.
+    Shows its dimensional factor D, its non-dimensional design and, for every stored
+    quantity, the value interpolated between designs of the lattice, the exact one and the
+    difference; lengths and areas also in the unit of the machine.
     """
     from fivebar_atlas.store import open_atlas
     from fivebar_atlas.synthesis.lookup import look_up
@@ -44,7 +44,7 @@ def lookup(lengths: list[float], file: str, as_json: bool) -> None:
 def _table(found: Lookup) -> Iterator[str]:
     """Yield the lines of a readable table."""
     yield f"{'dimensional factor D':<{_LABEL_WIDTH}}{found.factor:>14.8g}"
-    for name, value in found.parameters.items():
+    for name, value in found.proportions.items():
         length = "" if found.factor == 1.0 else f"{found.factor * value:>14.8g}"
         yield f"{name:<{_LABEL_WIDTH}}{value:>14.8g}{length}"
     heads = ["interpolated", "exact", "± error", "difference"]

@@ -22,6 +22,7 @@ from fivebar_atlas.cli.presentation import (
 if TYPE_CHECKING:
     from fivebar_atlas.figures.overlays import Overlay
     from fivebar_atlas.mechanisms.base import Mechanism, Quantity
+    from fivebar_atlas.mechanisms.planar import PlanarDesign
     from fivebar_atlas.planar_geometry import Point
     from fivebar_atlas.synthesis.sizing import Machine
 
@@ -101,7 +102,7 @@ class MachineText:
         lengths = " ".join(f"{length:.10g}" for length in machine.lengths.values())
         names = (
             f"--mode {shlex.quote(good.mode)} --lci {good.lci_threshold:g} "
-            f"--unit {shlex.quote(machine.unit)}"
+            f"--unit {shlex.quote(machine.unit)}{_choices(good.design)}"
         )
         yield f"Its LCI map: atlas plot lci {lengths} {names} -o lci.pdf"
 
@@ -115,7 +116,7 @@ class MachineText:
             Row("LCI threshold", f"{good.lci_threshold:g}", note="reached in the whole workspace"),
             *option_rows(mechanism, good.design.options),
         )
-        meanings = {each.name.upper(): each.long_name for each in mechanism.parameters}
+        meanings = {each.name: each.long_name for each in mechanism.lengths}
         lengths = [
             dataclasses.replace(
                 row,
@@ -165,8 +166,8 @@ class MachineText:
     @property
     def _proportions(self) -> str:
         return ", ".join(
-            f"{name.lower()} = {length / self.machine.factor:.8g}"
-            for name, length in self.machine.lengths.items()
+            f"{name} = {length:.8g}"
+            for name, length in self.machine.good.design.named_lengths.items()
         )
 
     @property
@@ -273,6 +274,21 @@ class MachineText:
         machine = self.machine
         x, y = (0.0 if abs(part) < _ROUNDING * machine.factor else part for part in point)
         return f"({x:.6g}, {y:.6g}) {machine.unit}"
+
+
+def _choices(design: PlanarDesign) -> str:
+    """Return what a command line needs besides lengths, beginning with a space; often nothing."""
+    from fivebar_atlas import mechanisms
+
+    mechanism = mechanisms.get(design.mechanism)
+    words = []
+    if mechanism.name != mechanisms.names()[0]:
+        words.append(f" --mechanism {mechanism.name}")
+    for option, (name, value) in zip(mechanism.options, design.options, strict=True):
+        if value != option.default:
+            text = str(value).lower() if isinstance(value, bool) else f"{value:.10g}"
+            words.append(f" --set {name}={text}")
+    return "".join(words)
 
 
 def _row_lines(rows: Iterable[Row]) -> Iterator[str]:

@@ -38,7 +38,7 @@ from fivebar_atlas.cli.progress import note_compilation
 @click.option(
     "--pareto",
     metavar="QUANTITIES",
-    help="Find the Pareto front: 'usable_workspace_area,gci'; '-r3' or 'r3:min' for less.",
+    help="Find the Pareto front: 'usable_workspace_area,gci'; '-NAME' or 'NAME:min' for less.",
 )
 @click.option("--polish", is_flag=True, help="Move the members of the front onto the true front.")
 @click.option(
@@ -99,8 +99,12 @@ def optimum(
         known = condition_names(atlas)
         check_conditions(conditions, atlas)
         check_contradictions(conditions)
-        objective = None if maximise is None else parse_objective(maximise, known)
-        directions = () if pareto is None else parse_directions(pareto, known)
+        objective = (
+            None if maximise is None else parse_objective(maximise, known, unknown=atlas.unknown)
+        )
+        directions = (
+            () if pareto is None else parse_directions(pareto, known, unknown=atlas.unknown)
+        )
         note_compilation()
         study = study_optimum(
             atlas,

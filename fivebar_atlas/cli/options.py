@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from fivebar_atlas.errors import InputError, UnknownNameError
+from fivebar_atlas.errors import InputError
 
 if TYPE_CHECKING:
     from fivebar_atlas.config import Overrides
@@ -92,13 +92,30 @@ def no_such_option(ctx: click.Context, text: str) -> click.NoSuchOption:
     return click.NoSuchOption(text, possibilities=difflib.get_close_matches(text, known), ctx=ctx)
 
 
+class LengthsArgument(click.Argument):
+    """The lengths of one design, named as those of its mechanism once that is known."""
+
+    def make_metavar(self, ctx: click.Context) -> str:
+        """Return the lengths of the mechanism of a command line, ``LENGTHS...`` in usage."""
+        if self.name not in ctx.params:
+            return "LENGTHS..."
+        from fivebar_atlas import mechanisms
+
+        mechanism = mechanisms.get(ctx.params.get("mechanism") or mechanisms.names()[0])
+        return " ".join(each.name for each in mechanism.lengths)
+
+
 config_argument = click.argument(
     "config_path", metavar="[CONFIG.toml]", required=False, type=click.Path()
 )
 file_argument = click.argument("file", metavar="FILE.h5", type=click.Path())
 #: The lengths of one design; its command needs ``NEGATIVE_NUMBERS``.
-lengths_argument = click.argument("lengths", nargs=-1, callback=_numbers, metavar="R1 R2 R3")
-mechanism_option = click.option("--mechanism", metavar="NAME", help="Mechanism.")
+lengths_argument = click.argument("lengths", cls=LengthsArgument, nargs=-1, callback=_numbers)
+mechanism_option = click.option(
+    "--mechanism",
+    metavar="NAME",
+    help="Mechanism: 'atlas mechanisms' lists them with their lengths, the default first.",
+)
 space_option = click.option(
     "--space", metavar="NAME", help="Design space of the mechanism; its first if not given."
 )
@@ -154,10 +171,10 @@ design_options = together(
     click.option(
         "--unit",
         metavar="UNIT",
-        help="Unit of the lengths; mm if not given, none where R1 + R2 + R3 = 3.",
+        help="Unit of the lengths; mm if not given, none where D = 1.",
     ),
     click.option(
-        "--non-dimensional", is_flag=True, help="Scale the lengths by D to R1 + R2 + R3 = 3."
+        "--non-dimensional", is_flag=True, help="Scale the lengths to those of a design, D = 1."
     ),
     set_option,
 )
@@ -246,16 +263,11 @@ def as_typed(options: Mapping[str, tuple[str, str | None]]) -> Iterator[None]:
     """
     try:
         yield
-    except UnknownNameError as error:
-        if error.name not in options:
-            raise
-        option, text = options[error.name]
-        raise UnknownNameError(option, error.value if text is None else text, error.known) from None
     except InputError as error:
         if error.name not in options:
             raise
         option, text = options[error.name]
-        raise InputError(option, error.value if text is None else text, error.allowed) from None
+        raise error.renamed(option, error.value if text is None else text) from None
 
 
 @contextlib.contextmanager

@@ -100,7 +100,9 @@ def _lines(checked: CheckedPath, shown: bool) -> Iterator[str]:
 
     design, report = checked.design, checked.report
     unit = f" {design.unit}" if design.unit else ""
-    lengths = ", ".join(f"{name} = {value:.8g}{unit}" for name, value in checked.parameters.items())
+    lengths = ", ".join(
+        f"{name} = {value:.8g}{unit}" for name, value in design.named_lengths.items()
+    )
     yield mechanisms.get(design.mechanism).title
     yield f"{lengths}; {'; '.join(design.remarks())}"
     count = max(len(report.points) - checked.is_closed, 1)

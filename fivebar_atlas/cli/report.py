@@ -155,6 +155,10 @@ def _inputs(context: click.Context, parameters: list[click.Parameter]) -> Iterat
 
 def _value_text(value: Any, is_repeated: bool) -> str:
     """Return a value as it would be written."""
+    if isinstance(value, dict):
+        return ", ".join(
+            f"{name}={_value_text(each, is_repeated=False)}" for name, each in value.items()
+        )
     if is_repeated:
         return ", ".join(_value_text(each, is_repeated=False) for each in value)
     if isinstance(value, bool):

@@ -76,7 +76,7 @@ limit_options = together(
         type=(str, float, float),
         multiple=True,
         metavar="NAME MIN MAX",
-        help="Limits of a length, such as R2 100 250; repeatable; 'inf' is no limit.",
+        help="Limits of a length of the machine; repeatable; 'inf' is no limit.",
     ),
 )
 

@@ -78,7 +78,7 @@ def size(
 ) -> None:
     """Size a machine for a practical workspace in which the LCI is nowhere too low.
 
-    R1 R2 R3 give a design by its proportions. One of --area, --rectangle, --circle and
+    LENGTHS give a design by its proportions. One of --area, --rectangle, --circle and
     --polygon says what the machine is for; reported are the smallest machine, where the shape
     lies in it, and what inputs, errors and torques come to over the whole of it. Lengths may
     name their unit ("300x200mm"), which then is that of all.

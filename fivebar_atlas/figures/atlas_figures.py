@@ -11,13 +11,15 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from fivebar_atlas.errors import UnknownNameError
+from fivebar_atlas.errors import InputError
 from fivebar_atlas.figures import style
 from fivebar_atlas.figures.category_map import category_map, magnitude_map
 from fivebar_atlas.figures.charted_designs import ChartedDesigns
 from fivebar_atlas.figures.contour_map import contour_map
+from fivebar_atlas.figures.oblique_view import ObliqueView
 from fivebar_atlas.figures.pareto_figure import pareto_designs_figure, pareto_figure
 from fivebar_atlas.figures.region_map import Layer, region_map
+from fivebar_atlas.figures.surface_map import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, surface_map
 from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Flags, Quantity, ResultArray
 from fivebar_atlas.store import Atlas
 from fivebar_atlas.triangulated_regions import Region
@@ -94,6 +96,61 @@ def quantity_figure(
     draw = magnitude_map if array.is_error else contour_map
     missing = why_missing(atlas, quantity, values, mode, lci)
     return draw(designs, values, title, label_of(array), missing=missing, width=width)
+
+
+def surface_figure(
+    atlas: Atlas,
+    name: str,
+    mode: str | None = None,
+    lci: float | None = None,
+    *,
+    elevation: float = DEFAULT_ELEVATION,
+    azimuth: float = DEFAULT_AZIMUTH,
+    width: float = style.COLUMN_WIDTH,
+) -> Figure:
+    """Draw one stored quantity as a surface above the design space, contours on its floor.
+
+    Parameters
+    ----------
+    atlas, name, mode, lci, width
+        As in :func:`quantity_figure`; the quantity is no category.
+    elevation, azimuth
+        From where it is seen, in degrees, as in :class:`ObliqueView`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Heights of a quantity, orders of magnitude of an error.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such quantity or mode pair.
+    InputError
+        If the quantity is a category, the mode pair or the threshold is not stored or must be
+        chosen, or an angle or the width is out of range.
+    FileError
+        If the file is damaged.
+    """
+    view = ObliqueView(elevation, azimuth)
+    array = stored_array(atlas, name)
+    quantity = array.quantity
+    if quantity.flags is not None:
+        raise InputError("quantity", name, "a quantity of numbers; a category has no height")
+    values = atlas.select(name, mode, lci)
+    values = np.where(without_workspace(atlas, quantity, mode), np.nan, values)
+    missing = why_missing(atlas, quantity, values, mode, lci)
+    return surface_map(
+        charted_designs(atlas),
+        values,
+        title_of(atlas, array, mode, lci),
+        label_of(array),
+        quantity.symbol,
+        view=view,
+        magnitudes=array.is_error,
+        missing=missing,
+        width=width,
+    )
 
 
 def region_figure(
@@ -260,7 +317,7 @@ def stored_array(atlas: Atlas, name: str) -> ResultArray:
     """
     arrays = {array.name: array for array in atlas.mechanism.stored_arrays(atlas.settings)}
     if name not in arrays:
-        raise UnknownNameError("quantity", name, arrays)
+        raise atlas.unknown("quantity", name, arrays)
     return arrays[name]
 
 

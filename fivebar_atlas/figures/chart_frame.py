@@ -49,12 +49,22 @@ class ChartFrame(DrawingArea):
     ----------
     chart
         The chart.
+    names
+        Where names of sub-regions stand.
     """
 
     chart: DesignChart
+    names: dict[str, Box]
 
 
-def chart_frame(chart: DesignChart, title: str, width: float, below: float) -> ChartFrame:
+def chart_frame(
+    chart: DesignChart,
+    title: str,
+    width: float,
+    below: float,
+    upright: ChartAxis | None = None,
+    reach: FloatArray | None = None,
+) -> ChartFrame:
     """Make a figure with the frame of a chart: outline, axes, ticks and title.
 
     Parameters
@@ -67,6 +77,10 @@ def chart_frame(chart: DesignChart, title: str, width: float, below: float) -> C
         Width of the figure in millimetres.
     below
         Room to leave below the chart, in millimetres.
+    upright
+        An axis that rises from the chart; its label stands above the tick labels.
+    reach
+        Points that are to be in the figure besides the chart, shape (n, 2).
 
     Returns
     -------
@@ -82,13 +96,15 @@ def chart_frame(chart: DesignChart, title: str, width: float, below: float) -> C
     lower, upper = chart.outline.min(axis=0), chart.outline.max(axis=0)
     scale = (width - 10.0) / (upper[0] - lower[0])
     # The text beside the chart has a size of its own, so the scale follows from it.
+    axes_drawn = chart.axes if upright is None else (*chart.axes, upright)
+    shape = chart.outline if reach is None else np.concatenate([chart.outline, reach])
     for _ in range(4):
-        labels = _axis_labels(chart, scale)
-        bounds = _bounds(chart, labels, scale)
+        labels = _axis_labels(chart, upright, scale)
+        bounds = _bounds(shape, labels, scale)
         overhang = (bounds[2] - bounds[0]) - scale * (upper[0] - lower[0])
         scale = (width - 2 * _PADDING - overhang) / (upper[0] - lower[0])
-    labels = _axis_labels(chart, scale)
-    left, low, right, high = _bounds(chart, labels, scale)
+    labels = _axis_labels(chart, upright, scale)
+    left, low, right, high = _bounds(shape, labels, scale)
     lines = wrapped(title, style.TITLE_SIZE, width - 2 * _PADDING)
     height = (high - low) + below + _PADDING + _LINE * len(lines) + _PADDING
 
@@ -99,7 +115,9 @@ def chart_frame(chart: DesignChart, title: str, width: float, below: float) -> C
     middle = (left + right) / 2.0
     axes.set_xlim((middle - width / 2) / scale, (middle + width / 2) / scale)
     axes.set_ylim((low - below) / scale, (low - below + height) / scale)
-    frame = ChartFrame(figure, axes, scale, [], width, below, chart)
+    # Names of sub-regions come first; whatever else is written makes way for them.
+    names = _region_boxes(chart, labels, scale)
+    frame = ChartFrame(figure, axes, scale, list(names.values()), width, below, chart, names)
 
     axes.add_patch(
         Polygon(
@@ -115,7 +133,7 @@ def chart_frame(chart: DesignChart, title: str, width: float, below: float) -> C
     )
     ticks = [
         [(tick.x, tick.y), (tick.x + tick.dx * _TICK / scale, tick.y + tick.dy * _TICK / scale)]
-        for axis in chart.axes
+        for axis in axes_drawn
         for tick in axis.ticks
     ]
     axes.add_collection(
@@ -136,8 +154,6 @@ def chart_frame(chart: DesignChart, title: str, width: float, below: float) -> C
             color=style.INK,
             zorder=TEXT_LEVEL,
         )
-    # Names of sub-regions come first; whatever else is written makes way for them.
-    frame.occupied.extend(_region_boxes(chart, scale))
     return frame
 
 
@@ -157,37 +173,68 @@ def draw_sub_regions(frame: ChartFrame) -> None:
             ),
             autolim=False,
         )
-    for region, box in zip(
-        frame.chart.regions, _region_boxes(frame.chart, frame.scale), strict=True
-    ):
-        frame.write(region.name, box, style.REGION_SIZE, halo=2.2, fontweight="bold")
+    for name, box in frame.names.items():
+        frame.write(name, box, style.REGION_SIZE, halo=2.2, fontweight="bold")
 
 
-def _region_boxes(chart: DesignChart, scale: float) -> list[Box]:
-    return [
-        Box(region.x * scale, region.y * scale, *text_size(region.name, style.REGION_SIZE))
-        for region in chart.regions
-    ]
+def _region_boxes(chart: DesignChart, labels: Sequence[_Label], scale: float) -> dict[str, Box]:
+    """Return where names of sub-regions stand; one that would cover text is left out."""
+    boxes: dict[str, Box] = {}
+    for region in chart.regions:
+        size = text_size(region.name, style.REGION_SIZE)
+        box = Box(region.x * scale, region.y * scale, *size)
+        taken = (*boxes.values(), *(label.box for label in labels))
+        # The letters are bold: wider than their box.
+        if not any(box.overlaps(other, gap=_TICK_GAP) for other in taken):
+            boxes[region.name] = box
+    return boxes
 
 
-def _axis_labels(chart: DesignChart, scale: float) -> list[_Label]:
-    """Return tick labels and axis labels, none touching another."""
+def _axis_labels(chart: DesignChart, upright: ChartAxis | None, scale: float) -> list[_Label]:
+    """Return tick labels and axis labels, none touching another.
+
+    Where a chart is seen from so low that labels of two axes meet in a corner, the first stays.
+    """
     outline = chart.outline * scale
     labels: list[_Label] = []
-    for axis in chart.axes:
+    for axis in chart.axes if upright is None else (*chart.axes, upright):
         for tick in axis.ticks:
             width, height = text_size(tick.label, style.TICK_SIZE)
             # Far enough along the tick for the box to clear its end.
             reach = abs(tick.dx) * width / 2 + abs(tick.dy) * height / 2
             distance = _TICK + _TICK_GAP + reach
             x, y = tick.x * scale + tick.dx * distance, tick.y * scale + tick.dy * distance
-            labels.append(_Label(tick.label, Box(x, y, width, height), style.TICK_SIZE))
+            box = _clear_of(outline, Box(x, y, width, height))
+            if not any(box.overlaps(label.box) for label in labels):
+                labels.append(_Label(tick.label, box, style.TICK_SIZE))
     taken = [label.box for label in labels]
     for axis in chart.axes:
         box = _axis_label_box(axis, scale, outline, taken)
         taken.append(box)
         labels.append(_Label(axis.label, box, style.AXIS_LABEL_SIZE))
+    if upright is not None:
+        width, height = text_size(upright.label, style.AXIS_LABEL_SIZE)
+        x = scale * upright.label_x - _TICK - _TICK_GAP - width / 2
+        box = Box(x, scale * upright.label_y, width, height)
+        while any(box.overlaps(other, gap=_LABEL_GAP) for other in taken):
+            box = dataclasses.replace(box, y=box.y + 0.1)
+        labels.append(_Label(upright.label, box, style.AXIS_LABEL_SIZE))
     return labels
+
+
+def _clear_of(outline: FloatArray, box: Box) -> Box:
+    """Return a box, moved away from an outline that it touches.
+
+    A tick may run along the side that it stands on where the chart is seen obliquely.
+    """
+    inside = Path(outline)
+    while inside.intersects_path(Path(box.corners(_TICK_GAP / 2)), filled=True):
+        place = np.array([box.x, box.y])
+        foot = _nearest_point(outline, place)
+        away = (place - foot) / np.hypot(*(place - foot))
+        x, y = place + 0.1 * away
+        box = dataclasses.replace(box, x=float(x), y=float(y))
+    return box
 
 
 def _axis_label_box(
@@ -220,10 +267,10 @@ def _nearest_point(outline: FloatArray, place: FloatArray) -> FloatArray:
 
 
 def _bounds(
-    chart: DesignChart, labels: Sequence[_Label], scale: float
+    shape: FloatArray, labels: Sequence[_Label], scale: float
 ) -> tuple[float, float, float, float]:
-    """Return left, bottom, right and top of chart and labels in millimetres."""
-    points = np.concatenate([chart.outline * scale, *(label.box.corners() for label in labels)])
+    """Return left, bottom, right and top of points and labels in millimetres."""
+    points = np.concatenate([shape * scale, *(label.box.corners() for label in labels)])
     left, low = points.min(axis=0)
     right, high = points.max(axis=0)
     return float(left), float(low), float(right), float(high)

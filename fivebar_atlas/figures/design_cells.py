@@ -323,9 +323,7 @@ def _cells(
 ) -> tuple[DesignCell, ...]:
     designs = representative_designs(mechanism, space, cells)
     return tuple(
-        DesignCell(
-            design, place, tuple(lines(mechanism.planar_design(design.tolist(), "", options)))
-        )
+        DesignCell(design, place, tuple(lines(mechanism.design_of(design, options))))
         for design, place in zip(designs, mechanism.project(designs, space), strict=True)
     )
 

@@ -41,9 +41,18 @@ class PlottedPart:
 
 @dataclasses.dataclass(slots=True)
 class PlottedData:
-    """The parts of a figure in the order in which they are drawn."""
+    """The parts of a figure in the order in which they are drawn.
+
+    Attributes
+    ----------
+    parts
+        The parts.
+    units
+        Units of x and y where they are no lengths; None where they are.
+    """
 
     parts: list[PlottedPart] = dataclasses.field(default_factory=list)
+    units: tuple[str, str] | None = None
 
     def add(
         self,
@@ -73,7 +82,7 @@ class PlottedData:
         path
             The file.
         unit
-            Unit of the coordinates, for the names of their columns; empty where they are
+            Unit of lengths, for the names of the columns of coordinates; empty where they are
             non-dimensional.
         overwrite
             Whether an existing file may be replaced.
@@ -83,8 +92,9 @@ class PlottedData:
         FileUsageError, FileError
             If the file cannot be written or exists already.
         """
-        suffix = f"_{unit}" if unit else ""
-        header = ("element", "part", "curve", "kind", f"x{suffix}", f"y{suffix}", "value")
+        units = (unit, unit) if self.units is None else self.units
+        x, y = (f"{name}_{each}" if each else name for name, each in zip("xy", units, strict=True))
+        header = ("element", "part", "curve", "kind", x, y, "value")
         with (
             atomic_output(path, overwrite) as temporary,
             temporary.open("w", encoding="utf-8", newline="") as file,

@@ -110,16 +110,11 @@ class DesignGeometry:
         return f"{KINDS[self.kind]}{mode}{level}"
 
     @property
-    def parameters(self) -> dict[str, float]:
-        """Length of every parameter by its notation in plain letters, ``"R1"``."""
-        return {plain(symbol): length for symbol, length in self.design.parameters}
-
-    @property
     def subject(self) -> str:
         """The design in a phrase: ``"five-bar R1 = 26 mm, R2 = 30 mm, R3 = 16 mm"``."""
         lengths = (
             f"{name} = {length:.8g} {self.design.unit}".rstrip()
-            for name, length in self.parameters.items()
+            for name, length in self.design.named_lengths.items()
         )
         return f"{self.design.mechanism} {', '.join(lengths)}"
 
@@ -186,11 +181,6 @@ def geometry_of(
         else:
             found = _circles(design, label)
     return dataclasses.replace(found, base_joints=_base_joints(found))
-
-
-def plain(symbol: str) -> str:
-    """Return a notation in mathtext as plain letters: ``"$R_1$"`` is ``"R1"``."""
-    return "".join(letter for letter in symbol if letter not in "${}_\\")
 
 
 def sides_text(sides: Mapping[str, str]) -> str:

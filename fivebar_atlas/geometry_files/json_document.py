@@ -6,7 +6,7 @@ The keys of the document are
     What it is, by its name on the command line and in a phrase.
 ``mechanism``, ``unit``, ``R1`` and so on, ``dimensional_factor``
     The design: the unit of all lengths, its own lengths by their names, and the factor D.
-    Where lengths are non-dimensional the unit is empty and the names are small letters,
+    Where lengths are non-dimensional the unit is empty and the names are those of the design,
     ``r1``.
 ``remarks``
     What is special about the design: sub-region, conditions of change points.
@@ -85,7 +85,7 @@ def json_document(geometry: DesignGeometry, deviation: float) -> dict[str, Any]:
         "title": geometry.title,
         "mechanism": design.mechanism,
         "unit": design.unit,
-        **geometry.parameters,
+        **design.named_lengths,
         "dimensional_factor": design.factor,
         "remarks": list(design.remarks()),
         "mode": geometry.mode,

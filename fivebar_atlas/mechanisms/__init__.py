@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import functools
 import importlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from fivebar_atlas.errors import UnknownNameError
+from fivebar_atlas.errors import ForeignNameError, UnknownNameError
 from fivebar_atlas.mechanisms.base import Mechanism
 
 if TYPE_CHECKING:
@@ -40,6 +40,22 @@ def get(name: str) -> Mechanism:
     return mechanism
 
 
+def unknown_name(
+    mechanism: Mechanism, name: str, value: str, known: Iterable[str]
+) -> UnknownNameError:
+    """Return the error for a name that the mechanism of a file does not have.
+
+    It says of which mechanism it is a quantity, a parameter or a mode pair, if it is of any.
+    """
+    others = {each: get(each).kind_of(value) for each in names() if each != mechanism.name}
+    owners = {each: kind for each, kind in others.items() if kind}
+    if not owners:
+        return UnknownNameError(name, value, known)
+    kind = next(iter(owners.values()))
+    alike = [each for each, other in owners.items() if other == kind]
+    return ForeignNameError(name, value, known, kind, alike, mechanism.name)
+
+
 def planar_design(
     *lengths: float,
     unit: str | None = None,
@@ -51,7 +67,7 @@ def planar_design(
     Parameters
     ----------
     *lengths
-        One number for each parameter of the mechanism: R1, R2, R3 of a five-bar.
+        The lengths of the mechanism: R1, R2, R3 of a five-bar.
     unit
         Unit of the lengths; ``""`` for the non-dimensional design, whatever the lengths.
         Where nothing is said it is mm, or ``""`` if the lengths are non-dimensional already.

@@ -400,6 +400,10 @@ class Mechanism(ABC):
     source: str
     #: Design parameters, in the order of the columns of a parameter array.
     parameters: tuple[Parameter, ...]
+    #: What the dimensional factor D is in lengths of a machine, ``"(R1 + R2 + R3)/3"``, and what
+    #: therefore holds of a design, ``"r1 + r2 + r3 = 3"``; empty where designs have no scale.
+    factor_phrase: str = ""
+    design_phrase: str = ""
     #: Everything the evaluator computes, error companions not listed separately.
     quantities: tuple[Quantity, ...]
     #: What an atlas has besides, from the quantities of all its designs.
@@ -417,6 +421,33 @@ class Mechanism(ABC):
     tolerance_range: tuple[float, float] = (1e-10, 1e-3)
     #: What else a sweep may choose, beyond space, mode pairs, thresholds and tolerance.
     options: tuple[SweepOption, ...] = ()
+
+    @property
+    def proportions(self) -> tuple[Parameter, ...]:
+        """The lengths of a non-dimensional design; here its parameters.
+
+        A mechanism may have more, such as one that is 1 in every design; it then says with
+        :meth:`proportions_of` what they are.
+        """
+        return self.parameters
+
+    @property
+    def lengths(self) -> tuple[Parameter, ...]:
+        """The lengths of a machine, in the order in which they are given: D times proportions.
+
+        Here they have the names and symbols of the proportions in capital letters.
+        """
+        return tuple(
+            dataclasses.replace(each, name=each.name.upper(), symbol=each.symbol.upper())
+            for each in self.proportions
+        )
+
+    def proportions_of(self, parameters: FloatArray) -> FloatArray:
+        """Return the proportions, shape (n, lengths), of designs, shape (n, parameters).
+
+        A linear function, constant terms included.
+        """
+        return parameters
 
     @abstractmethod
     def parse_mode(self, text: str) -> str:
@@ -614,7 +645,7 @@ class Mechanism(ABC):
         Parameters
         ----------
         lengths
-            One number for each parameter, dimensional or not.
+            One number for each of ``lengths``, dimensional or not.
 
         Returns
         -------
@@ -622,7 +653,7 @@ class Mechanism(ABC):
             Shape (parameters,).
         factor : float
             Multiplying lengths by it gives the machine; here, where a mechanism does not
-            say how its parameters scale, 1.
+            say how its lengths scale, 1.
 
         Raises
         ------
@@ -630,9 +661,9 @@ class Mechanism(ABC):
             If the numbers are not finite, too many or too few, or make no mechanism.
         """
         self.check_count(lengths)
-        for parameter, value in zip(self.parameters, lengths, strict=True):
+        for length, value in zip(self.proportions, lengths, strict=True):
             if not np.isfinite(value):
-                raise InputError(parameter.name, value, "a finite number")
+                raise InputError(length.name, value, "a finite number")
         return np.array(lengths, dtype=np.float64), 1.0
 
     def planar_design(
@@ -646,7 +677,7 @@ class Mechanism(ABC):
         Parameters
         ----------
         lengths
-            One number for each parameter.
+            One number for each of ``lengths``.
         unit
             Unit of the lengths; ``""`` for the non-dimensional design, whatever the lengths.
             Where nothing is said it is mm, or ``""`` if the lengths are non-dimensional
@@ -660,6 +691,17 @@ class Mechanism(ABC):
             If the lengths make no mechanism, or its output does not move in a plane.
         """
         raise InputError("mechanism", self.name, "a mechanism whose output point moves in a plane")
+
+    def design_of(self, parameters: FloatArray, options: Options = ()) -> PlanarDesign:
+        """Return the non-dimensional design of parameters, shape (parameters,).
+
+        Raises
+        ------
+        InputError
+            As :meth:`planar_design`.
+        """
+        (lengths,) = self.proportions_of(parameters[np.newaxis])
+        return self.planar_design(lengths.tolist(), "", options)
 
     def optimal_configuration(self, ratio: float) -> OptimalConfiguration:  # noqa: ARG002
         """Return the optimal configuration in closed form for a ratio of second to first length.
@@ -695,8 +737,9 @@ class Mechanism(ABC):
         -------
         ndarray
             Scale and position of the centre in non-dimensional lengths, for the best
-            placement above the base and for that below it, shape (n, 2, 3); scale 0 where
-            there is none. What holds between samples is not looked at.
+            placement in each of some parts of the plane, such as above the base and below it,
+            shape (n, parts, 3); scale 0 where there is none. What holds between samples is not
+            looked at.
 
         Raises
         ------
@@ -738,11 +781,21 @@ class Mechanism(ABC):
         """
         raise InputError("mechanism", self.name, "a mechanism of links of constant length")
 
+    def actuated_link(self, designs: FloatArray) -> FloatArray:  # noqa: ARG002
+        """Return the length of the actuated link, shape (n,), of designs.
+
+        Raises
+        ------
+        InputError
+            If the mechanism has no such link, or several of different lengths.
+        """
+        raise InputError("mechanism", self.name, "a mechanism with one length of actuated links")
+
     def check_count(self, lengths: Sequence[float]) -> None:
-        """Raise InputError unless there is one number for each parameter."""
-        if len(lengths) != len(self.parameters):
-            names = " ".join(parameter.name for parameter in self.parameters)
-            raise InputError("design", list(lengths), f"{len(self.parameters)} numbers: {names}")
+        """Raise InputError unless there is one number for each of ``lengths``."""
+        if len(lengths) != len(self.proportions):
+            names = " ".join(each.name for each in self.proportions)
+            raise InputError("design", list(lengths), f"{len(self.proportions)} numbers: {names}")
 
     def document(
         self, parameters: FloatArray, factor: float, settings: SweepSettings, results: Results
@@ -784,6 +837,18 @@ class Mechanism(ABC):
             if quantity.name == name:
                 return quantity
         raise UnknownNameError("quantity", name, [q.name for q in self.stored_quantities])
+
+    def kind_of(self, name: str) -> str:
+        """Return what a name is here: quantity, parameter or mode pair; empty if it is nothing."""
+        if any(name in (each.name, each.error_name) for each in self.stored_quantities):
+            return "quantity"
+        if any(name == each.name for each in self.parameters):
+            return "parameter"
+        try:
+            self.parse_mode(name)
+        except UnknownNameError:
+            return ""
+        return "mode pair"
 
     def parse_modes(self, texts: Sequence[str], name: str = "mode") -> tuple[str, ...]:
         """Return canonical labels, ``"all"`` expanded and repetitions dropped."""

@@ -10,11 +10,15 @@ import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
+from fivebar_atlas import mechanisms
+from fivebar_atlas.errors import InputError
 from fivebar_atlas.mechanisms.base import FloatArray, Options
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
 #: What a joint is.
 ACTUATED, PASSIVE, OUTPUT = "actuated", "passive", "output"
+#: Unit of angles.
+RADIANS = "rad"
 #: What a link is: the fixed base, driven by an actuator, driven by other links, the platform that
 #: carries the output point, or a leg of variable length that nothing drives.
 BASE, CRANK, DISTAL = "base", "crank", "distal"
@@ -194,7 +198,7 @@ class OptimalConfiguration:
     Attributes
     ----------
     lengths
-        One length for each parameter of the mechanism, the first one 1.
+        The lengths of the mechanism, the first one 1.
     output
         Position of the output point.
     mode
@@ -271,6 +275,38 @@ class Workspace:
     area: float
 
 
+@dataclasses.dataclass(frozen=True, slots=True)
+class OperatingLimits:
+    """Least and greatest inputs over the usable workspace, for each value of a coordinate.
+
+    Nam and Park (2006), Fig. 9.
+
+    Attributes
+    ----------
+    coordinate
+        The field's notation of the coordinate as mathtext, ``"$x$"``.
+    coordinate_name
+        What it is, in a phrase.
+    unit
+        Its unit: ``RADIANS`` for an angle, else that of the design's lengths.
+    places
+        Its values, ascending, shape (n,).
+    least, greatest
+        Extremes of the inputs in radians, continuous where the workspace is, shape
+        (n, inputs); NaN where no point of the workspace has the coordinate.
+    input_symbols
+        Notation of the inputs as mathtext.
+    """
+
+    coordinate: str
+    coordinate_name: str
+    unit: str
+    places: FloatArray
+    least: FloatArray
+    greatest: FloatArray
+    input_symbols: tuple[str, ...]
+
+
 class PlanarDesign(ABC):
     """One dimensioned design."""
 
@@ -282,11 +318,11 @@ class PlanarDesign(ABC):
     @property
     @abstractmethod
     def parameters(self) -> tuple[tuple[str, float], ...]:
-        """Symbol and length of every parameter."""
+        """Symbol and value of every length of the mechanism, in its order.
 
-    def dimensional_symbol(self, symbol: str) -> str:
-        """Return the notation of a length of the machine; here it is that of the design."""
-        return symbol
+        They are those of its ``proportions`` where the unit is empty, of its ``lengths``
+        otherwise.
+        """
 
     @property
     @abstractmethod
@@ -297,6 +333,14 @@ class PlanarDesign(ABC):
     @abstractmethod
     def factor(self) -> float:
         """Dimensional factor D in that unit; 1 where lengths are non-dimensional."""
+
+    @property
+    def named_lengths(self) -> dict[str, float]:
+        """Value of every length by its name: ``"R1"``, or ``"r1"`` where the unit is empty."""
+        own = mechanisms.get(self.mechanism)
+        names = [each.name for each in (own.lengths if self.unit else own.proportions)]
+        values = [value for _, value in self.parameters]
+        return dict(zip(names, values, strict=True))
 
     @property
     def options(self) -> Options:
@@ -410,6 +454,27 @@ class PlanarDesign(ABC):
 
         It may be a limit in a corner of the workspace. None where the workspace is empty.
         """
+
+    def operating_limits(self, mode: str, count: int) -> OperatingLimits:  # noqa: ARG002
+        """Return the least and the greatest inputs over the usable workspace of a mode pair.
+
+        Parameters
+        ----------
+        mode
+            Mode pair.
+        count
+            Number of values of the coordinate, at least 2.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode pair.
+        InputError
+            If the mechanism has no coordinate that says what limits its inputs.
+        """
+        raise InputError(
+            "mechanism", self.mechanism, "a mechanism with operating limits over a coordinate"
+        )
 
     @abstractmethod
     def pose(self, x: float, y: float, mode: str) -> Pose:

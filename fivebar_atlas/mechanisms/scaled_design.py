@@ -8,9 +8,18 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError, OutOfReachError
-from fivebar_atlas.mechanisms.base import FloatArray, Options
-from fivebar_atlas.mechanisms.planar import PathLeast, PathReport, PlanarDesign, Pose, Workspace
+from fivebar_atlas.mechanisms.base import FloatArray, Mechanism, Options
+from fivebar_atlas.mechanisms.planar import (
+    RADIANS,
+    OperatingLimits,
+    PathLeast,
+    PathReport,
+    PlanarDesign,
+    Pose,
+    Workspace,
+)
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
 
@@ -49,10 +58,10 @@ class ScaledDesign(PlanarDesign):
 
     @property
     def parameters(self) -> tuple[tuple[str, float], ...]:
-        """Symbol and length of every parameter, in the notation of the machine."""
+        """Symbol and length of every length of the machine."""
         return tuple(
-            (self._design.dimensional_symbol(symbol), self.factor * value)
-            for symbol, value in self._design.parameters
+            (each.symbol, self.factor * value)
+            for each, (_, value) in zip(self._own.lengths, self._design.parameters, strict=True)
         )
 
     @property
@@ -129,6 +138,13 @@ class ScaledDesign(PlanarDesign):
         found = self._design.largest_lci(mode)
         return None if found is None else (found[0], self._out(found[1]))
 
+    def operating_limits(self, mode: str, count: int) -> OperatingLimits:
+        """Return the least and the greatest inputs over the usable workspace of a mode pair."""
+        limits = self._design.operating_limits(mode, count)
+        if limits.unit == RADIANS:
+            return limits
+        return dataclasses.replace(limits, unit=self.unit, places=self.factor * limits.places)
+
     def pose(self, x: float, y: float, mode: str) -> Pose:
         """Return the linkage with its output point at P, in a mode pair or working mode."""
         with self._in_this_unit(scale_value=True):
@@ -176,6 +192,10 @@ class ScaledDesign(PlanarDesign):
             ),
         )
 
+    @property
+    def _own(self) -> Mechanism:
+        return mechanisms.get(self.mechanism)
+
     def _out(self, point: Point) -> Point:
         return self.factor * point[0], self.factor * point[1]
 
@@ -183,8 +203,10 @@ class ScaledDesign(PlanarDesign):
         joints = tuple(
             dataclasses.replace(joint, position=self._out(joint.position)) for joint in pose.joints
         )
+        own = zip(self._own.proportions, self._own.lengths, strict=True)
+        symbols = {one.symbol: other.symbol for one, other in own}
         links = tuple(
-            dataclasses.replace(link, symbol=self._design.dimensional_symbol(link.symbol))
+            dataclasses.replace(link, symbol=symbols.get(link.symbol, link.symbol))
             for link in pose.links
         )
         return dataclasses.replace(pose, joints=joints, links=links)

@@ -20,12 +20,13 @@ from fivebar_atlas.synthesis.active_constraints import active_constraints
 from fivebar_atlas.synthesis.containment import OUTSIDE, UNDECIDED, GoodCondition, prove
 from fivebar_atlas.synthesis.design_polygon import DesignPolygon
 from fivebar_atlas.synthesis.least_lci import least_lci
+from fivebar_atlas.synthesis.link_limits import length_name
 from fivebar_atlas.synthesis.machine_polish import MachinePolish, Polished
 from fivebar_atlas.synthesis.machine_search import MachineTask, find_starts
 from fivebar_atlas.synthesis.placement import Fit
 from fivebar_atlas.synthesis.practical_workspace import PracticalWorkspace
 from fivebar_atlas.synthesis.scale_search import PATIENCE, TOUCHING, ScaleSearch
-from fivebar_atlas.synthesis.sizing import Machine
+from fivebar_atlas.synthesis.sizing import Machine, parameters_of
 
 # Rounds of polishing for all starts.
 _FEW_ROUNDS = 6
@@ -113,8 +114,8 @@ def best_machines(
         found.append(polish.polish(each, _FEW_ROUNDS))
         said("starts", number, len(placed))
     # some more than are asked for, since some may turn out to be one, or to be around a hole
-    found = _distinct(found, count + _SPARE)
-    found = _distinct([polish.polish(each) for each in found], count + _SPARE)
+    found = _distinct(task, found, count + _SPARE)
+    found = _distinct(task, [polish.polish(each) for each in found], count + _SPARE)
     verified = [_verified(task, each) for each in found]
     ranked = [each for each in verified if each is not None]
     if not ranked:
@@ -122,13 +123,13 @@ def best_machines(
     return sorted(ranked, key=lambda each: each.value)[:count]
 
 
-def _distinct(found: Sequence[Polished], count: int) -> list[Polished]:
+def _distinct(task: MachineTask, found: Sequence[Polished], count: int) -> list[Polished]:
     """Return the best placements whose machines have different lengths."""
     kept: list[Polished] = []
     for each in sorted(found, key=lambda each: each.value):
-        lengths = each.parameters / each.scale
+        lengths = task.lengths(each.parameters, each.scale)
         if len(kept) < count and all(
-            np.abs(lengths - other.parameters / other.scale).max() > _SAME / each.scale
+            np.abs(lengths - task.lengths(other.parameters, other.scale)).max() > _SAME / each.scale
             for other in kept
         ):
             kept.append(each)
@@ -199,8 +200,7 @@ def _value(task: MachineTask, machine: Machine) -> float:
         function = functools.partial(goal.function, row, good.design, good.mode)
         greatest, _ = machine.workspace.greatest(function)
         extremes[number] = max(extremes[number], greatest)
-    parameters = np.array([value for _, value in good.design.parameters])
-    return goal.value(task.mechanism, parameters, 1.0 / machine.factor, extremes)
+    return goal.value(task.mechanism, parameters_of(good.design), 1.0 / machine.factor, extremes)
 
 
 def _margins(task: MachineTask, machine: Machine) -> dict[str, float]:
@@ -220,7 +220,7 @@ def _margins(task: MachineTask, machine: Machine) -> dict[str, float]:
                 limit.greatest - found.greatest - turn
             )
     for link in task.limits:
-        name = link.name.upper()
+        name = length_name(link.name, machine.lengths)
         length = machine.lengths[name]
         if link.least > 0.0:
             margins[f"{name} least"] = length - link.least
@@ -275,10 +275,10 @@ def _helps(relaxed: Sequence[tuple[str, MachineTask]]) -> list[str]:
     for name, task in relaxed:
         starts = find_starts(task, resolution=_CLOSER)
         if starts:
-            lengths = starts[0].parameters / starts[0].scale
+            lengths = task.lengths(starts[0].parameters, starts[0].scale)
             about = ", ".join(
-                f"{parameter.name.upper()} = {length:.4g}"
-                for parameter, length in zip(task.mechanism.parameters, lengths, strict=True)
+                f"{each.name} = {length:.4g}"
+                for each, length in zip(task.mechanism.lengths, lengths, strict=True)
             )
             helps.append(f"without {name} (best with about {about} {task.unit})")
     return helps

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.errors import InputError, UnknownNameError
+from fivebar_atlas.errors import InputError
 from fivebar_atlas.store import Atlas
 
 FloatArray = npt.NDArray[np.float64]
@@ -144,7 +144,7 @@ def check_conditions(conditions: Sequence[Condition], atlas: Atlas, name: str = 
     known = condition_names(atlas)
     for condition in conditions:
         if condition.quantity not in known:
-            raise UnknownNameError(name, condition.quantity, known)
+            raise atlas.unknown(name, condition.quantity, known)
 
 
 def condition_margins(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from fivebar_atlas.errors import InputError, UnknownNameError
 
@@ -40,15 +40,23 @@ class LinkLimit:
             raise InputError(f"limits of {self.name}", limits, allowed)
 
 
-def check_names(names: Sequence[str], limits: Sequence[LinkLimit]) -> None:
-    """Raise UnknownNameError unless limits are on lengths that there are, in small letters."""
-    for each in limits:
-        if each.name.lower() not in names:
-            raise UnknownNameError("link limit", each.name, [name.upper() for name in names])
+def length_name(text: str, names: Iterable[str]) -> str:
+    """Return the name of a length, whose letters may be of the other case where that is clear.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such length.
+    """
+    known = list(names)
+    found = [name for name in known if name.lower() == text.lower()]
+    if text in known or len(found) == 1:
+        return text if text in known else found[0]
+    raise UnknownNameError("link limit", text, known)
 
 
 def check_limits(lengths: Mapping[str, float], limits: Sequence[LinkLimit]) -> None:
-    """Check the limits on the lengths of one design, given by name in small letters.
+    """Check the limits on the lengths of one design, given by their names.
 
     Raises
     ------
@@ -57,8 +65,8 @@ def check_limits(lengths: Mapping[str, float], limits: Sequence[LinkLimit]) -> N
     InputError
         If a least length is asked for of one that is 0 at every size.
     """
-    check_names(tuple(lengths), limits)
     for each in limits:
-        if each.least > 0.0 and lengths[each.name.lower()] == 0.0:
+        length = lengths[length_name(each.name, lengths)]
+        if each.least > 0.0 and length == 0.0:
             allowed = f"no least length, for {each.name} is 0 at every size"
             raise InputError(f"limits of {each.name}", (each.least, each.greatest), allowed)

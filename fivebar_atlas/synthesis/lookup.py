@@ -69,8 +69,9 @@ class Lookup:
 
     Attributes
     ----------
-    parameters, factor
-        The non-dimensional design, by parameter, and its dimensional factor D.
+    parameters, proportions, factor
+        The non-dimensional design by parameter, its lengths by name, and its dimensional
+        factor D.
     corners
         Designs of the lattice triangle it lies in, shape (3, parameters).
     weights
@@ -80,6 +81,7 @@ class Lookup:
     """
 
     parameters: dict[str, float]
+    proportions: dict[str, float]
     factor: float
     corners: FloatArray
     weights: FloatArray
@@ -90,7 +92,7 @@ class Lookup:
         return {
             **self.parameters,
             "dimensional_factor": self.factor,
-            "lengths": {name: self.factor * value for name, value in self.parameters.items()},
+            "lengths": {name: self.factor * value for name, value in self.proportions.items()},
             "corners": self.corners.tolist(),
             "weights": self.weights.tolist(),
             "values": [self._entry(entry) for entry in self.entries],
@@ -118,7 +120,7 @@ def look_up(atlas: Atlas, lengths: Sequence[float]) -> Lookup:
     atlas
         The open result file.
     lengths
-        One number for each parameter, dimensional or not.
+        The lengths of the mechanism, dimensional or not.
 
     Returns
     -------
@@ -181,8 +183,11 @@ def look_up(atlas: Atlas, lengths: Sequence[float]) -> Lookup:
             entries.append(
                 Entry(quantity, labels, interpolated, plain(exact, quantity.flags), error)
             )
+    (proportions,) = mechanism.proportions_of(design[np.newaxis])
+    lengths_named = [each.name for each in mechanism.proportions]
     return Lookup(
         parameters=dict(zip(names, map(float, design), strict=True)),
+        proportions=dict(zip(lengths_named, proportions.tolist(), strict=True)),
         factor=factor,
         corners=atlas.designs[corners],
         weights=weights,

@@ -113,20 +113,20 @@ class LinkSum(Goal):
 
 
 class ActuatedLink(Goal):
-    """Length of the actuated link, the first parameter."""
+    """Length of the actuated link."""
 
     name = "actuated-link"
     long_name = "length of the actuated link"
 
     def value(
         self,
-        mechanism: Mechanism,  # noqa: ARG002
+        mechanism: Mechanism,
         parameters: FloatArray,
         scale: float,
         extremes: FloatArray,  # noqa: ARG002
     ) -> float:
-        """Return D times the first parameter."""
-        return float(parameters[0]) / scale
+        """Return D times that of the design."""
+        return float(mechanism.actuated_link(parameters[None])[0]) / scale
 
 
 class Footprint(Goal):

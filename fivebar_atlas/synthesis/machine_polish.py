@@ -121,8 +121,7 @@ class MachinePolish:
         self._axes = [0, 1] if task.placement == FREE else [1]
         shape = task.shape
         self._interior = shape.interior_samples(_INTERIOR)
-        names = [parameter.name for parameter in task.mechanism.parameters]
-        self._limits = [(names.index(each.name.lower()), each) for each in task.limits]
+        self._limits = [(task.length_place(each), each) for each in task.limits]
         self._limiting = [each for each in task.ranges if each.is_limiting]
 
     def placed(self, start: Start) -> Polished | None:
@@ -421,13 +420,14 @@ class MachinePolish:
         """Return rows a and numbers b of linear constraints a @ variables >= b.
 
         Sides of the design space, and limits on lengths: r_j >= least / D and so on, which
-        are linear in design and scale, for parameters are linear in the chart.
+        are linear in design and scale, for proportions are linear in the chart.
         """
         rows = [np.concatenate([each, np.zeros(count - 2)]) for each in self._polygon.normals]
         offsets = [*self._polygon.offsets]
         mechanism, space = self._task.mechanism, self._task.space
-        origin = mechanism.unproject(np.zeros((1, 2)), space)[0]
-        slopes = mechanism.unproject(np.eye(2), space) - origin
+        places = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+        origin, *ends = mechanism.proportions_of(mechanism.unproject(places, space))
+        slopes = np.array(ends) - origin
         size = self._task.size
         for place, limit in self._limits:
             row = np.zeros(count)

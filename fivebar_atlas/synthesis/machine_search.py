@@ -19,7 +19,7 @@ from fivebar_atlas.mechanisms.base import Mechanism, Options
 from fivebar_atlas.mechanisms.planar import PlacementScan, PlanarDesign
 from fivebar_atlas.planar_geometry import FloatArray
 from fivebar_atlas.synthesis.containment import ActuatorRange, check_ranges
-from fivebar_atlas.synthesis.link_limits import LinkLimit, check_names
+from fivebar_atlas.synthesis.link_limits import LinkLimit, length_name
 from fivebar_atlas.synthesis.machine_goals import Goal
 from fivebar_atlas.synthesis.placement import FREE, ON_AXIS
 from fivebar_atlas.synthesis.shapes import Shape
@@ -105,11 +105,21 @@ class MachineTask:
         lattice = self.mechanism.lattice(self.space, _RESOLUTION)
         some = self.design(lattice[len(lattice) // 2])
         check_ranges(self.ranges, some, self.modes[0])
-        check_names([parameter.name for parameter in self.mechanism.parameters], self.limits)
+        for limit in self.limits:
+            self.length_place(limit)
 
     def design(self, parameters: FloatArray) -> PlanarDesign:
         """Return the non-dimensional design of parameters, shape (parameters,)."""
-        return self.mechanism.planar_design([*parameters], "", self.options)
+        return self.mechanism.design_of(parameters, self.options)
+
+    def lengths(self, parameters: FloatArray, scale: float) -> FloatArray:
+        """Return the lengths of the machine with D = 1/scale, shape (lengths,)."""
+        return np.asarray(self.mechanism.proportions_of(parameters[None])[0] / scale)
+
+    def length_place(self, limit: LinkLimit) -> int:
+        """Return the place of the limited length among all; raise UnknownNameError."""
+        names = [each.name for each in self.mechanism.lengths]
+        return names.index(length_name(limit.name, names))
 
     @property
     def size(self) -> float:
@@ -123,13 +133,12 @@ class MachineTask:
         A machine has the dimensional factor D = 1/scale, and lengths times D keep to the limits,
         or miss them by no more than a share of slack.
         """
-        # whatever the mechanism, all links together are no longer than 3 and reach both ways
-        cap = 3.0 / self.size
-        least = np.full(len(designs), _LEAST_SCALE * cap)
-        greatest = np.full(len(designs), cap)
-        names = [parameter.name for parameter in self.mechanism.parameters]
+        proportions = self.mechanism.proportions_of(designs)
+        # whatever the mechanism, nothing is farther from the origin than all lengths together
+        greatest = proportions.sum(axis=1) / self.size
+        least = _LEAST_SCALE * greatest
         for limit in self.limits:
-            lengths = designs[:, names.index(limit.name.lower())]
+            lengths = proportions[:, self.length_place(limit)]
             if math.isfinite(limit.greatest):
                 least = np.maximum(least, lengths / limit.greatest / (1.0 + slack))
             if limit.least > 0.0:

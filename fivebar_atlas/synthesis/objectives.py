@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,9 @@ from fivebar_atlas.errors import InputError, UnknownNameError
 from fivebar_atlas.synthesis.conditions import SLACK
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Makes an error of the name of an input, its value and what there is.
+Unknown = Callable[[str, str, Sequence[str]], UnknownNameError]
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 _ALLOWED = "quantities separated by commas, each with a weight where it is not 1, such as 'gci:2'"
@@ -73,7 +76,12 @@ class Objective:
         return ",".join(f"{name}:{weight:g}" for name, weight in pairs)
 
 
-def parse_objective(text: str, known: Sequence[str], name: str = "--maximise") -> Objective:
+def parse_objective(
+    text: str,
+    known: Sequence[str],
+    name: str = "--maximise",
+    unknown: Unknown = UnknownNameError,
+) -> Objective:
     """Read an objective such as ``gci`` or ``gci:1,usable_workspace_area:0.5``.
 
     Parameters
@@ -84,6 +92,8 @@ def parse_objective(text: str, known: Sequence[str], name: str = "--maximise") -
         What there is.
     name
         What to call the input in an error message.
+    unknown
+        Makes the error for what there is not, such as :meth:`Atlas.unknown`.
 
     Raises
     ------
@@ -101,7 +111,7 @@ def parse_objective(text: str, known: Sequence[str], name: str = "--maximise") -
         if not _NAME.fullmatch(quantity):
             raise InputError(name, text, _ALLOWED)
         if quantity not in known:
-            raise UnknownNameError(name, quantity, known)
+            raise unknown(name, quantity, known)
         names.append(quantity)
         weights.append(sign * (_weight(weight, name) if colon else 1.0))
     if len(set(names)) < len(names):
@@ -120,7 +130,10 @@ def _weight(text: str, name: str) -> float:
 
 
 def parse_directions(
-    text: str, known: Sequence[str], name: str = "--pareto"
+    text: str,
+    known: Sequence[str],
+    name: str = "--pareto",
+    unknown: Unknown = UnknownNameError,
 ) -> tuple[tuple[str, float], ...]:
     """Read the quantities of a front, such as ``usable_workspace_area,gci`` or ``-r3,gci``.
 
@@ -132,6 +145,8 @@ def parse_directions(
         What there is.
     name
         What to call the input in an error message.
+    unknown
+        Makes the error for what there is not, such as :meth:`Atlas.unknown`.
 
     Returns
     -------
@@ -153,7 +168,7 @@ def parse_directions(
         if not _NAME.fullmatch(quantity) or (colon and (minus or way not in ("min", "max"))):
             raise InputError(name, text, _DIRECTIONS)
         if quantity not in known:
-            raise UnknownNameError(name, quantity, known)
+            raise unknown(name, quantity, known)
         pairs.append((quantity, -1.0 if minus or way == "min" else 1.0))
     if len({quantity for quantity, _ in pairs}) < max(len(pairs), 2):
         raise InputError(name, text, "at least two quantities, none of them twice")

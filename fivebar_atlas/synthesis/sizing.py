@@ -33,7 +33,7 @@ from fivebar_atlas.synthesis.containment import (
     GoodCondition,
     check_positive,
 )
-from fivebar_atlas.synthesis.link_limits import LinkLimit, check_limits
+from fivebar_atlas.synthesis.link_limits import LinkLimit, check_limits, length_name
 from fivebar_atlas.synthesis.placement import FREE, ON_AXIS, Fit, empty_reason, fit_shape
 from fivebar_atlas.synthesis.practical_workspace import (
     Field,
@@ -106,10 +106,8 @@ class Machine:
     @property
     def lengths(self) -> dict[str, float]:
         """Lengths of the machine by name (step 3)."""
-        return {
-            _plain(symbol).upper(): self.factor * value
-            for symbol, value in self.good.design.parameters
-        }
+        proportions = _proportions(self.good.design)
+        return {name: self.factor * value for name, value in proportions.items()}
 
     @property
     def position(self) -> Point | None:
@@ -203,7 +201,9 @@ class Machine:
         """
         mechanism = mechanisms.get(self.good.design.mechanism)
         settings, results = self.evaluation
-        indices = mechanism.document(_parameters(self.good.design), self.factor, settings, results)
+        indices = mechanism.document(
+            parameters_of(self.good.design), self.factor, settings, results
+        )
         document: dict[str, Any] = {
             "mechanism": mechanism.name,
             "mode": self.good.mode,
@@ -421,10 +421,11 @@ def size_for_shape(
         greatest = LENGTH_RANGE[1]
         if max(map(abs, placement)) > greatest:
             raise InputError("offset", placement, f"two lengths up to {greatest:g}")
-    lengths = _named(design)
+    lengths = _proportions(design)
     check_limits(lengths, limits)
     least = max(
-        (each.least / lengths[each.name.lower()] for each in limits if each.least), default=0.0
+        (each.least / lengths[length_name(each.name, lengths)] for each in limits if each.least),
+        default=0.0,
     )
     fit = fit_shape(good, shape, placement, least)
     if factor_step is not None:
@@ -469,7 +470,7 @@ def _evaluate(good: GoodCondition) -> tuple[SweepSettings, Results]:
         tolerance=DEFAULT_TOLERANCE,
         options=good.design.options,
     )
-    return settings, mechanism.evaluate(_parameters(good.design)[None], settings)
+    return settings, mechanism.evaluate(parameters_of(good.design)[None], settings)
 
 
 def _area(good: GoodCondition) -> tuple[float, float]:
@@ -484,28 +485,27 @@ def _area_share(parts: Sequence[Region]) -> float:
     return parts[0].area / math.fsum(part.area for part in parts) if len(parts) > 1 else 1.0
 
 
-def _parameters(design: PlanarDesign) -> FloatArray:
-    return np.array([value for _, value in design.parameters])
+def parameters_of(design: PlanarDesign) -> FloatArray:
+    """Return the parameters of a non-dimensional design, shape (parameters,)."""
+    lengths = [value for _, value in design.parameters]
+    return mechanisms.get(design.mechanism).from_lengths(lengths)[0]
 
 
-def _named(design: PlanarDesign) -> dict[str, float]:
-    """Return the non-dimensional lengths by name, in small letters."""
-    return {_plain(symbol): value for symbol, value in design.parameters}
-
-
-def _plain(symbol: str) -> str:
-    """Return mathtext of a length in plain letters."""
-    return symbol.strip("$").replace("_", "")
+def _proportions(design: PlanarDesign) -> dict[str, float]:
+    """Return the non-dimensional lengths by the names of those of a machine."""
+    names = [each.name for each in mechanisms.get(design.mechanism).lengths]
+    return dict(zip(names, design.named_lengths.values(), strict=True))
 
 
 def _check_lengths(machine: Machine, limits: Sequence[LinkLimit]) -> None:
     """Raise InfeasibleSizeError if a length is out of its limits."""
     lengths, unit = machine.lengths, machine.unit
-    check_limits(_named(machine.good.design), limits)
+    check_limits(_proportions(machine.good.design), limits)
     reasons = []
     share = 1.0
     for each in limits:
-        name, length = each.name.upper(), lengths[each.name.upper()]
+        name = length_name(each.name, lengths)
+        length = lengths[name]
         if length > each.greatest:
             reasons.append(f"{name} = {length:.6g} {unit} is above {each.greatest:g} {unit}")
             share = min(share, each.greatest / length)

@@ -161,7 +161,7 @@ def _square(task: SquareTask, placed: Polished) -> Square:
     """Return a placement of the shape, whose area is 1, as a square with its proof."""
     lengths = tuple(float(each) for each in placed.parameters / placed.parameters[0])
     free = dataclasses.replace(task, mode=placed.mode, centre=AXIS)
-    design = task.mechanism.planar_design([*placed.parameters], "")
+    design = task.mechanism.design_of(placed.parameters)
     good = GoodCondition(design, placed.mode, task.lci_threshold, task.ranges)
     factor = 1.0 / float(placed.parameters[0])
     return square_at(free, lengths, good, factor, placed.centre, placed.scale)

@@ -237,6 +237,31 @@ def lci_map(
     _draw(make, **choices)
 
 
+@plot.command("limits", context_settings=options.NEGATIVE_NUMBERS)
+@_one_design
+@options.one_mode_option
+@click.option(
+    "--count",
+    type=click.IntRange(2, 100_000),
+    default=361,
+    show_default=True,
+    metavar="N",
+    help="Values of the coordinate.",
+)
+def limits(mode: str | None, count: int, **choices: Any) -> None:
+    """Draw the operating limits of the actuators.
+
+    For each input its least and its greatest value over the usable workspace, as functions of
+    a coordinate of the mechanism.
+    """
+    from fivebar_atlas.figures.limits_figure import limits_figure
+
+    def make(design: PlanarDesign, **drawing: Any) -> Any:
+        return limits_figure(design, options.mode_pair(design, mode), count, **drawing)
+
+    _draw(make, **choices)
+
+
 def _draw(
     make: Callable[..., Any],
     output: Path,

@@ -28,7 +28,7 @@ class _Kinds(click.Group):
 def plot() -> None:
     """Draw a figure as PNG, PDF or SVG, by the ending of the file name.
 
-    Kinds of one design take R1 R2 R3, maps of stored quantities take FILE.h5, and atlases of
+    Kinds of one design take LENGTHS, maps of stored quantities take FILE.h5, and atlases of
     small drawings take neither. The same input always gives the same figure, byte for byte.
     """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +82,14 @@ def design_space(
     save_figure(figure, output, overwrite)
 
 
-def _draw_quantity(
+def _draw_quantity(name: str, **choices: Any) -> None:
+    from fivebar_atlas.figures.atlas_figures import quantity_figure
+
+    _draw(quantity_figure, name, **choices)
+
+
+def _draw(
+    make: Callable[..., Any],
     name: str,
     file: str,
     mode: str | None,
@@ -89,8 +97,9 @@ def _draw_quantity(
     output: Path,
     width: float,
     overwrite: bool,
+    **drawing: Any,
 ) -> None:
-    from fivebar_atlas.figures.atlas_figures import quantity_figure
+    """Draw and save a figure of one stored quantity; ``make`` takes atlas, name and choices."""
     from fivebar_atlas.figures.saving import check_figure_output, save_figure
     from fivebar_atlas.output_file import check_is_no_input
     from fivebar_atlas.store import open_atlas
@@ -98,7 +107,7 @@ def _draw_quantity(
     check_figure_output(output, overwrite)
     check_is_no_input(output, Path(file))
     with open_atlas(file) as atlas, options.asked_to_choose():
-        figure = quantity_figure(atlas, name, mode, lci, width=width)
+        figure = make(atlas, name, mode, lci, width=width, **drawing)
     save_figure(figure, output, overwrite)
 
 
@@ -113,6 +122,36 @@ def quantity(name: str, **choices: Any) -> None:
     own.
     """
     _draw_quantity(name, **choices)
+
+
+@plot.command("surface", short_help="Draw any stored quantity as a surface.")
+@click.argument("name")
+@file_options
+@click.option(
+    "--elevation",
+    type=float,
+    default=25.0,
+    show_default=True,
+    metavar="DEG",
+    help="Angle of the line of sight above the plane of the design space, from 5 to 80.",
+)
+@click.option(
+    "--azimuth",
+    type=float,
+    default=-65.0,
+    show_default=True,
+    metavar="DEG",
+    help="Where the viewer stands, counter-clockwise from the right; -90 is in front.",
+)
+@figure_options
+def surface(name: str, **choices: Any) -> None:
+    """Draw any stored quantity NAME as a surface above the design space.
+
+    Its contours are drawn on the floor below. Errors are drawn on a logarithmic scale.
+    """
+    from fivebar_atlas.figures.atlas_figures import surface_figure
+
+    _draw(surface_figure, name, **choices)
 
 
 def _add_quantity_kind(kind: str, name: str, meaning: str) -> None:
@@ -193,7 +232,7 @@ def region(
     "quantities",
     required=True,
     metavar="A,B",
-    help="Two quantities, such as 'usable_workspace_area,gci'; '-r3' or 'r3:min' for less.",
+    help="Two quantities, such as 'usable_workspace_area,gci'; '-NAME' or 'NAME:min' for less.",
 )
 @click.option(
     "--where", "wheres", multiple=True, metavar="CONDITION", help="A condition; repeatable."
@@ -238,7 +277,8 @@ def pareto(
     with open_atlas(file) as atlas, options.asked_to_choose():
         check_conditions(conditions, atlas)
         check_contradictions(conditions)
-        directions = parse_directions(quantities, condition_names(atlas), "--pareto")
+        known = condition_names(atlas)
+        directions = parse_directions(quantities, known, "--pareto", atlas.unknown)
         if len(directions) != 2:
             raise InputError("--pareto", quantities, "two quantities, the axes of the figure")
         candidates = Candidates(atlas, conditions, mode, lci)

@@ -160,10 +160,6 @@ class FiveBar(PlanarDesign):
         symbols = (parameter.symbol for parameter in _MECHANISM.parameters)
         return tuple(zip(symbols, self._lengths, strict=True))
 
-    def dimensional_symbol(self, symbol: str) -> str:
-        """Return the notation of a length of the machine: capital letters."""
-        return symbol.upper()
-
     def remarks(self) -> tuple[str, ...]:
         """Return sub-region and conditions for singularities of the third kind, in words."""
         cases = self.change_point_cases

@@ -67,6 +67,8 @@ class FiveBarMechanism(Mechanism):
         Parameter("r2", "$r_2$", "1", "distal link length"),
         Parameter("r3", "$r_3$", "1", "half the distance of the base joints"),
     )
+    factor_phrase = "(R1 + R2 + R3)/3"
+    design_phrase = "r1 + r2 + r3 = 3"
     quantities = (
         Quantity(
             "sub_region",
@@ -269,6 +271,10 @@ class FiveBarMechanism(Mechanism):
     def moving_links(self, designs: FloatArray) -> FloatArray:
         """Return 2 (r1 + r2), the lengths of both cranks and both distal links."""
         return np.asarray(2.0 * (designs[:, 0] + designs[:, 1]))
+
+    def actuated_link(self, designs: FloatArray) -> FloatArray:
+        """Return r1."""
+        return designs[:, 0]
 
     def document(
         self, parameters: FloatArray, factor: float, settings: SweepSettings, results: Results

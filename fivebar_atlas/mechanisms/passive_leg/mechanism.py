@@ -22,6 +22,7 @@ from fivebar_atlas.mechanisms.base import (
     IntArray,
     Mechanism,
     NormalisedProduct,
+    Options,
     Parameter,
     Quantity,
     SweepOption,
@@ -34,6 +35,9 @@ from fivebar_atlas.mechanisms.mode_pairs import (
     parse_mode_pair,
 )
 from fivebar_atlas.mechanisms.passive_leg import design_space
+
+if TYPE_CHECKING:
+    from fivebar_atlas.mechanisms.planar import PlanarDesign
 
 if TYPE_CHECKING:
     pass
@@ -59,12 +63,16 @@ class PassiveLegMechanism(Mechanism):
 
     name = "passive-leg"
     title = "2-DOF parallel manipulator with a passive leg (2-RRR + RP)"
-    source = "Nam and Park 2006, J. Mech. Sci. Technol. (KSME Int. J.) 20"
+    source = "Nam and Park 2006, Journal of Mechanical Science and Technology 20"
     parameters = (
         Parameter("r", "$r$", "1", "half the width of the moving platform"),
         Parameter("l_a", "$l_a$", "1", "lower link length"),
         Parameter("l_b", "$l_b$", "1", "upper link length"),
     )
+    lengths = (Parameter("R", "$R$", "1", "half the distance of the base joints"), *parameters)
+    proportions = lengths
+    factor_phrase = "R"
+    design_phrase = "R = 1"
     quantities = (
         Quantity(
             "workspace_area",
@@ -317,6 +325,18 @@ class PassiveLegMechanism(Mechanism):
         """Return which designs have links: all lengths are above 0, and the margin."""
         return np.asarray(np.all(parameters > margin, axis=1))
 
+    def proportions_of(self, parameters: FloatArray) -> FloatArray:
+        """Return R = 1 and the parameters."""
+        return np.insert(parameters, 0, 1.0, axis=1)
+
+    def moving_links(self, designs: FloatArray) -> FloatArray:
+        """Return 2 (l_a + l_b), the lengths of the links of both actuated legs."""
+        return np.asarray(2.0 * (designs[:, 1] + designs[:, 2]))
+
+    def actuated_link(self, designs: FloatArray) -> FloatArray:
+        """Return l_a, the length of the lower links."""
+        return designs[:, 1]
+
     def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
         """Scale R, r, l_a and l_b by D = R.
 
@@ -327,10 +347,9 @@ class PassiveLegMechanism(Mechanism):
             pose, or R is so large or small that areas overflow.
         """
         self.check_count(lengths)
-        names = ("R", *design_space.NAMES)
-        for name, value in zip(names, lengths, strict=True):
+        for each, value in zip(self.lengths, lengths, strict=True):
             if not (math.isfinite(value) and value > 0.0):
-                raise InputError(name, value, "a finite length above 0")
+                raise InputError(each.name, value, "a finite length above 0")
         base, r, l_a, l_b = (float(value) for value in lengths)
         least, greatest = FACTOR_RANGE
         if not least <= base <= greatest:
@@ -340,6 +359,27 @@ class PassiveLegMechanism(Mechanism):
                 "R r l_a l_b", (base, r, l_a, l_b), "lengths with l_a + l_b above |R - r| (Eq. 14)"
             )
         return np.array([r, l_a, l_b]) / base, base
+
+    def planar_design(
+        self, lengths: Sequence[float], unit: str | None = None, options: Options = ()
+    ) -> PlanarDesign:
+        """Return one design for figures and files of its geometry."""
+        from fivebar_atlas.mechanisms.passive_leg.passive_leg import PassiveLeg
+        from fivebar_atlas.mechanisms.scaled_design import ScaledDesign
+
+        parameters, factor = self.from_lengths(lengths)
+        chosen = dict(self.complete_options(options))
+        r, l_a, l_b = (float(value) for value in parameters)
+        design = PassiveLeg(
+            r,
+            l_a,
+            l_b,
+            math.radians(chosen["theta_limit"]),
+            bool(chosen["passive_joint_limits"]),
+        )
+        if unit is None:
+            unit = "" if factor == 1.0 else "mm"
+        return ScaledDesign(design, factor, unit) if unit else design
 
     def project(self, parameters: FloatArray, space: str) -> FloatArray:
         """Return the two free parameters of designs; see :func:`design_space.project`."""

@@ -36,7 +36,7 @@ GRID_STEPS, MAX_ADDED = 24, 12
 # Angles between which columns change are this close.
 _EVENT = 1e-11
 # Intervals that overlap by less than this are not connected.
-_TOUCH = 1e-9
+_TOUCH = 1e-5
 # Angles over which a forward singularity bounds a part are more than this; where the folded legs
 # of r < R meet at O the holes are less than rounding over some 1e-6.
 _LEAST_SPAN = 1e-5
