@@ -11,5 +11,7 @@ CURVE_COLOURS = {
     "serial": "#0072b2",
     "parallel, folded": "#d55e00",
     "parallel, extended": "#007a5a",
+    "parallel": "#d55e00",
+    "limit": "#5c5c5c",
     "level": "#d0006f",
 }

@@ -255,7 +255,8 @@ def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> No
         places = functools.partial(beside_arc, angle.centre, angle.radius, angle.middle)
         labels.write(angle.symbol, places, must=False)
     origin = np.zeros(2)
-    labels.write("$O$", functools.partial(around, origin, 0.6, 2.0), must=False)
+    if all(np.hypot(*(place - origin)) > _SAME_PLACE for place, _ in joints):
+        labels.write("$O$", functools.partial(around, origin, 0.6, 2.0), must=False)
     # the base last: it needs its label least
     for link, line in sorted(
         zip(pose.links, lines, strict=True), key=lambda each: each[0].kind == BASE

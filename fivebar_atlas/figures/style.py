@@ -51,6 +51,8 @@ CURVE_WIDTH = 1.0
 _DASHES: dict[str, Any] = {
     "parallel, folded": (0.0, (4.0, 1.4)),
     "parallel, extended": (0.0, (6.0, 1.4, 1.2, 1.4)),
+    "parallel": (0.0, (4.0, 1.4)),
+    "limit": (0.0, (1.2, 1.0)),
 }
 _CURVES: dict[str, dict[str, Any]] = {
     kind: {"color": colour, "linestyle": _DASHES.get(kind, "solid")}

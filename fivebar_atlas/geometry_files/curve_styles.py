@@ -30,11 +30,20 @@ class CurveStyle:
     line_type: str = "CONTINUOUS"
 
 
-_COLOUR_INDICES = {"serial": 150, "parallel, folded": 30, "parallel, extended": 92, "level": 6}
+_COLOUR_INDICES = {
+    "serial": 150,
+    "parallel, folded": 30,
+    "parallel, extended": 92,
+    "parallel": 30,
+    "limit": 8,
+    "level": 6,
+}
 # Patterns that print in grey.
 _DASHES = {
     "parallel, folded": ((10.0, 5.0), "DASHED"),
     "parallel, extended": ((12.0, 4.0, 2.0, 4.0), "DASHDOT2"),
+    "parallel": ((10.0, 5.0), "DASHED"),
+    "limit": ((2.0, 3.0), "DOT2"),
 }
 _STYLES = {
     kind: CurveStyle(colour, _COLOUR_INDICES[kind], *_DASHES.get(kind, ()))

@@ -28,7 +28,6 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.errors import InputError
 from fivebar_atlas.mechanisms.base import FloatArray
 from fivebar_atlas.mechanisms.five_bar.coupler_curve import CouplerArc
 from fivebar_atlas.mechanisms.five_bar.loci import (
@@ -47,6 +46,7 @@ from fivebar_atlas.mechanisms.five_bar.outline import UsableWorkspace, usable_wo
 from fivebar_atlas.mechanisms.five_bar.points import elbows_at, inverse_at, lci_at
 from fivebar_atlas.mechanisms.five_bar.singularity import fold_height
 from fivebar_atlas.mechanisms.mode_pairs import Signs, mode_label
+from fivebar_atlas.mechanisms.paths import checked_corners, columns, nearest_of
 from fivebar_atlas.mechanisms.planar import PathFault, PathReport
 from fivebar_atlas.planar_geometry import Point
 
@@ -55,15 +55,11 @@ TOUCH = 1e-12
 
 # That of sin γ, where its slope is moderate.
 _ROUNDING = 2e-15
-# Points farther off than this are mistakes; their squares are still numbers.
-_FARTHEST = 1e60
 # Segments that are looked at together.
 _BLOCK = 4096
 # Golden sections, with which the least value of sin γ is closed in on.
 _GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))
 _GOLDEN_STEPS = 80
-# How far the polyline that stands for an arc in bounding boxes may leave it.
-_DEVIATION = 1e-2
 
 _REACH_CURVES = (REACH_1O, REACH_1I, REACH_2O, REACH_2I)
 _WHY = {
@@ -544,55 +540,9 @@ def boundary_distances(
 ) -> tuple[FloatArray, list[str]]:
     """Return how far points of a workspace are from its boundary, and the name of what is next.
 
-    Isolated singular points count as boundary. Points are compared with C_col only where its
-    bounding box is closer than all circles.
+    Isolated singular points count as boundary. C_col, whose nearest point is iterated for, comes
+    last.
     """
-    gaps = np.full(len(points), np.inf)
-    places = np.full(len(points), -1)
     arcs = sorted(workspace.region.arcs, key=lambda each: isinstance(each.arc, CouplerArc))
-    names = [each.name for each in arcs] + [REACH_1I.name, REACH_2I.name]
-    for leg, point in enumerate(isolated_points(lengths)):
-        _keep_nearer(
-            gaps, places, slice(None), np.hypot(*(points - np.array(point)).T), len(arcs) + leg
-        )
-    for place, each in enumerate(arcs):
-        line = each.arc.polyline(_DEVIATION)
-        outside = np.maximum(line.min(axis=0) - points, points - line.max(axis=0))
-        close = np.flatnonzero(np.hypot(*np.maximum(outside, 0.0).T) - _DEVIATION < gaps)
-        for first in range(0, len(close), _BLOCK):
-            part = close[first : first + _BLOCK]
-            _keep_nearer(gaps, places, part, each.arc.nearest(points[part])[0], place)
-    return gaps, [names[place] for place in places]
-
-
-def _keep_nearer(
-    gaps: FloatArray,
-    places: npt.NDArray[np.int64],
-    part: npt.NDArray[np.int64] | slice,
-    found: FloatArray,
-    place: int,
-) -> None:
-    """Replace distances, and what they are to, where others are less."""
-    nearer = found < gaps[part]
-    gaps[part] = np.where(nearer, found, gaps[part])
-    places[part] = np.where(nearer, place, places[part])
-
-
-def columns(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the coordinates of points, shape (..., 2), as two flat arrays."""
-    flat = points.reshape(-1, 2)
-    return np.ascontiguousarray(flat[:, 0]), np.ascontiguousarray(flat[:, 1])
-
-
-def checked_corners(points: npt.ArrayLike) -> FloatArray:
-    """Return the corners of a path as an array, shape (n, 2)."""
-    corners = np.array(points, dtype=np.float64)
-    if corners.ndim != 2 or corners.shape[1] != 2 or not len(corners):
-        raise InputError(
-            "points", corners.shape, "an array of shape (n, 2) with at least one point"
-        )
-    bad = np.flatnonzero(~(np.abs(corners) < _FARTHEST).all(axis=1))
-    if bad.size:
-        x, y = corners[bad[0]].tolist()
-        raise InputError(f"points[{bad[0]}]", (x, y), "two finite numbers")
-    return corners
+    isolated = zip((REACH_1I.name, REACH_2I.name), isolated_points(lengths), strict=False)
+    return nearest_of(arcs, list(isolated), points)

@@ -1,4 +1,4 @@
-"""What holds on whole discs, not only at points: bounds of the LCI and of the input angles.
+"""What holds on discs and segments, not only at points: bounds of the LCI and of the inputs.
 
 With m_i row i of J_x in platform axes, η_i its direction and j_i = l_a l_b sin β_i the entry of
 J_q, the rows of J are m_i / j_i and
@@ -22,6 +22,9 @@ where it is stretched or folded; and with k = r/l, σ = ±1, m = (p - σ k q, q)
     |m|² η' = l_b² χ' + σ q² k',
     |m|² (ln |m|)' = χ' σ k (k σ p q - p² + q²) - σ k' q (p - σ k q).
 
+On a segment only the derivative along it counts, and legs change by less: next to a boundary that
+it does not come nearer to it may be much longer than a disc is wide.
+
 Nothing is said where a leg may be straight, γ may be zero or the passive leg may have no length,
 nor where it may leave its limit or, if they count, an upper link may rise above the platform: the
 disc then may reach over the boundary of a workspace. Bounds hold but for rounding.
@@ -33,6 +36,7 @@ import math
 
 from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.passive_leg.jacobian import TINY
 from fivebar_atlas.mechanisms.passive_leg.kinematics import (
     leg_vector,
     lower_link,
@@ -68,22 +72,35 @@ def _turned(length: float, cosine: float, sine: float, turn: float) -> tuple[flo
 
 
 @kernel
-def _leg_on_disc(
+def _change(radius: float, by_length: float, by_theta: float, along: float, across: float) -> float:
+    """Bound the change of a function within a radius by its derivatives by l and by θ over l.
+
+    ``along`` and ``across`` are the largest components of the direction of motion on w and on u.
+    """
+    norm = math.sqrt(by_length * by_length + by_theta * by_theta)
+    return radius * min(norm, by_length * along + by_theta * across)
+
+
+@kernel
+def _leg_bounds(
     base: float, platform: float, l_a: float, l_b: float, length: float, theta: float,
-    radius: float, sway: float, leg: float, elbow: float,
+    radius: float, stretch: float, sway: float, along: float, across: float,
+    leg: float, elbow: float,
 ) -> tuple[
     float, float, float, float, float, float, float, float, float, float, float, float, float
 ]:  # fmt: skip
-    """Return what a disc says of one leg.
+    """Return what a disc or a segment says of one leg.
 
     Parameters
     ----------
     base, platform, l_a, l_b, length, theta
-        Design and centre of the disc.
+        Design and centre.
     radius
-        Its radius, less than the length.
-    sway
-        Largest change of θ on the disc.
+        Radius of the disc or half the segment, less than the length.
+    stretch, sway
+        Largest changes of l and of θ.
+    along, across
+        As for :func:`_change`.
     leg, elbow
         +1 for leg 1, -1 for leg 2, and its elbow.
 
@@ -99,7 +116,7 @@ def _leg_on_disc(
     e, f = leg_vector(base, platform, length, c, s, leg)
     c_r = min(abs(s) * sway + 0.5 * sway * sway, sway)
     s_r = min(abs(c) * sway + 0.5 * sway * sway, sway)
-    e_r, f_r = base * c_r, radius + base * s_r
+    e_r, f_r = base * c_r, stretch + base * s_r
     e2, e2_r = _product(e, e_r, e, e_r)
     f2, f2_r = _product(f, f_r, f, f_r)
     reach2, reach2_r = e2 + f2, e2_r + f2_r
@@ -122,10 +139,9 @@ def _leg_on_disc(
     side = 1.0 if a * q - b * p >= 0.0 else -1.0
 
     # the links turn by no more than this, first roughly
-    inv_l, inv_l_r = _inverse(length, radius)
-    lever = base * (inv_l + inv_l_r)
-    speed = math.sqrt(1.0 + lever * lever) / least_j
-    turn_a, turn_b = radius * l_b * speed, radius * l_a * speed
+    inv_l, inv_l_r = _inverse(length, stretch)
+    way = _change(radius, 1.0, base * (inv_l + inv_l_r), along, across) / least_j
+    turn_a, turn_b = l_b * way, l_a * way
     a_r, b_r = _turned(l_a, a / l_a, b / l_a, turn_a)
     p_r, q_r = _turned(l_b, p / l_b, q / l_b, turn_b)
 
@@ -183,6 +199,63 @@ def _leg_on_disc(
 
 
 @kernel
+def _least_lci(
+    base: float, platform: float, l_a: float, l_b: float, limit: float, below: bool,
+    length: float, theta: float, radius: float, stretch: float, sway: float,
+    along: float, across: float, elbow1: float, elbow2: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Bound LCI and turns; arguments as for :func:`_leg_bounds` and :func:`least_lci_on_disc`."""
+    if not abs(theta) + sway <= limit + _ROUNDING:
+        return 0.0, math.inf, math.inf
+    (
+        q1, mx1, my1, j1, turn1, el1, el1_r, et1, et1_r, wl1, wl1_r, wt1, wt1_r,
+    ) = _leg_bounds(
+        base, platform, l_a, l_b, length, theta, radius, stretch, sway, along, across, 1.0, elbow1
+    )  # fmt: skip
+    (
+        q2, mx2, my2, j2, turn2, el2, el2_r, et2, et2_r, wl2, wl2_r, wt2, wt2_r,
+    ) = _leg_bounds(
+        base, platform, l_a, l_b, length, theta, radius, stretch, sway, along, across, -1.0, elbow2
+    )  # fmt: skip
+    if math.isnan(q1) or math.isnan(q2) or (below and not min(q1, q2) > 0.0):
+        return 0.0, math.inf, math.inf
+    cross = mx1 * my2 - my1 * mx2
+    dot = mx1 * mx2 + my1 * my2
+    gamma = math.atan2(cross, dot)
+    gl, gl_r, gt, gt_r = el2 - el1, el1_r + el2_r, et2 - et1, et1_r + et2_r
+    gamma_r = _change(radius, abs(gl) + gl_r, abs(gt) + gt_r, along, across)
+    # of γ folded into [0, π/2]: sin |γ| grows there, and the fold itself does not matter
+    folded = math.atan2(abs(cross), abs(dot))
+    if not folded - gamma_r > 0.0:
+        return 0.0, math.inf, math.inf
+    cot = dot / cross
+    # (cot γ)' = -1/sin² γ, largest where sin γ is least
+    least_sine = math.sin(folded - gamma_r)
+    cot_r = gamma_r / (least_sine * least_sine)
+    wl, wl_r, wt, wt_r = wl1 - wl2, wl1_r + wl2_r, wt1 - wt2, wt1_r + wt2_r
+    big1 = (mx1 * mx1 + my1 * my1) * j2 * j2
+    big2 = (mx2 * mx2 + my2 * my2) * j1 * j1
+    tanh = (big1 - big2) / (big1 + big2)
+    w_r = _change(radius, abs(wl) + wl_r, abs(wt) + wt_r, along, across)
+    tanh_r = min(w_r, 2.0)
+    a, a_r = _product(cot, cot_r, gl, gl_r)
+    b, b_r = _product(tanh, tanh_r, wl, wl_r)
+    by_length = abs(a - b) + a_r + b_r
+    a, a_r = _product(cot, cot_r, gt, gt_r)
+    b, b_r = _product(tanh, tanh_r, wt, wt_r)
+    by_theta = abs(a - b) + a_r + b_r
+    fall = _change(radius, by_length, by_theta, along, across)
+    sine = abs(math.sin(gamma))
+    ratio = 2.0 * math.sqrt(big1 * big2) / (big1 + big2) * sine * math.exp(-fall)
+    return (
+        # c of 2 c / (1 + c²), in the form that loses no digits
+        ratio / (1.0 + math.sqrt(max((1.0 - ratio) * (1.0 + ratio), 0.0))),
+        turn1,
+        turn2,
+    )
+
+
+@kernel
 def least_lci_on_disc(
     base: float, platform: float, l_a: float, l_b: float, limit: float, below: bool,
     x: float, y: float, radius: float, elbow1: float, elbow2: float,
@@ -209,58 +282,13 @@ def least_lci_on_disc(
         differences of φ1 and φ2, in radians, between a point of the disc and its centre;
         infinite where nothing can be said.
     """
-    length, theta = math.sqrt(x * x + y * y), math.atan2(-x, y)
+    length = math.sqrt(x * x + y * y)
     if not radius < length:
         return 0.0, math.inf, math.inf
-    sway = math.asin(radius / length)
-    if not abs(theta) + sway <= limit + _ROUNDING:
-        return 0.0, math.inf, math.inf
-    (
-        q1, mx1, my1, j1, turn1, el1, el1_r, et1, et1_r, wl1, wl1_r, wt1, wt1_r,
-    ) = _leg_on_disc(
-        base, platform, l_a, l_b, length, theta, radius, sway, 1.0, elbow1
+    return _least_lci(
+        base, platform, l_a, l_b, limit, below, length, math.atan2(-x, y), radius, radius,
+        math.asin(radius / length), 1.0, 1.0, elbow1, elbow2,
     )  # fmt: skip
-    (
-        q2, mx2, my2, j2, turn2, el2, el2_r, et2, et2_r, wl2, wl2_r, wt2, wt2_r,
-    ) = _leg_on_disc(
-        base, platform, l_a, l_b, length, theta, radius, sway, -1.0, elbow2
-    )  # fmt: skip
-    if math.isnan(q1) or math.isnan(q2) or (below and not min(q1, q2) > 0.0):
-        return 0.0, math.inf, math.inf
-    cross = mx1 * my2 - my1 * mx2
-    dot = mx1 * mx2 + my1 * my2
-    gamma = math.atan2(cross, dot)
-    gl, gl_r, gt, gt_r = el2 - el1, el1_r + el2_r, et2 - et1, et1_r + et2_r
-    gamma_r = radius * math.hypot(abs(gl) + gl_r, abs(gt) + gt_r)
-    # of γ folded into [0, π/2]: sin |γ| grows there, and the fold itself does not matter
-    folded = math.atan2(abs(cross), abs(dot))
-    if not folded - gamma_r > 0.0:
-        return 0.0, math.inf, math.inf
-    cot = dot / cross
-    # (cot γ)' = -1/sin² γ, largest where sin γ is least
-    least_sine = math.sin(folded - gamma_r)
-    cot_r = gamma_r / (least_sine * least_sine)
-    wl, wl_r, wt, wt_r = wl1 - wl2, wl1_r + wl2_r, wt1 - wt2, wt1_r + wt2_r
-    big1 = (mx1 * mx1 + my1 * my1) * j2 * j2
-    big2 = (mx2 * mx2 + my2 * my2) * j1 * j1
-    tanh = (big1 - big2) / (big1 + big2)
-    w_r = radius * math.hypot(abs(wl) + wl_r, abs(wt) + wt_r)
-    tanh_r = min(w_r, 2.0)
-    a, a_r = _product(cot, cot_r, gl, gl_r)
-    b, b_r = _product(tanh, tanh_r, wl, wl_r)
-    along = abs(a - b) + a_r + b_r
-    a, a_r = _product(cot, cot_r, gt, gt_r)
-    b, b_r = _product(tanh, tanh_r, wt, wt_r)
-    across = abs(a - b) + a_r + b_r
-    fall = radius * math.sqrt(along * along + across * across)
-    sine = abs(math.sin(gamma))
-    ratio = 2.0 * math.sqrt(big1 * big2) / (big1 + big2) * sine * math.exp(-fall)
-    return (
-        # c of 2 c / (1 + c²), in the form that loses no digits
-        ratio / (1.0 + math.sqrt(max((1.0 - ratio) * (1.0 + ratio), 0.0))),
-        turn1,
-        turn2,
-    )
 
 
 @kernel
@@ -274,3 +302,38 @@ def bounds_on_discs(
         least[k], turns[k, 0], turns[k, 1] = least_lci_on_disc(
             base, platform, l_a, l_b, limit, below, x[k], y[k], radius[k], elbow1, elbow2
         )
+
+
+@kernel
+def bounds_on_segments(
+    base: float, platform: float, l_a: float, l_b: float, limit: float, below: bool,
+    x: FloatArray, y: FloatArray, dx: FloatArray, dy: FloatArray, elbow1: float, elbow2: float,
+    least: FloatArray, turns: FloatArray,
+) -> None:  # fmt: skip
+    """Fill in least LCI and largest turns on segments, shapes (n,) and (n, 2).
+
+    Parameters
+    ----------
+    base, platform, l_a, l_b, limit, below, elbow1, elbow2
+        As for :func:`least_lci_on_disc`.
+    x, y, dx, dy
+        Middles of the segments, and from there to one of their ends, shape (n,) each.
+    least, turns
+        As those of :func:`bounds_on_discs`; turns are those from the middle.
+    """
+    for k in range(len(x)):
+        length = math.sqrt(x[k] * x[k] + y[k] * y[k])
+        half = math.sqrt(dx[k] * dx[k] + dy[k] * dy[k])
+        least[k], turns[k, 0], turns[k, 1] = 0.0, math.inf, math.inf
+        if half < length:
+            # components on w, which points from O to C, and on u
+            on_w = abs(dx[k] * x[k] + dy[k] * y[k]) / length
+            on_u = abs(dx[k] * y[k] - dy[k] * x[k]) / length
+            sway = math.atan2(on_u, length - on_w)
+            stretch = on_w + 0.5 * on_u * on_u / (length - on_w)
+            along = min(on_w / (half + TINY) + sway, 1.0)
+            across = min(on_u / (half + TINY) + sway, 1.0)
+            least[k], turns[k, 0], turns[k, 1] = _least_lci(
+                base, platform, l_a, l_b, limit, below, length, math.atan2(-x[k], y[k]),
+                half, stretch, sway, along, across, elbow1, elbow2,
+            )  # fmt: skip

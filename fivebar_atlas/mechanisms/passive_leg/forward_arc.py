@@ -26,6 +26,10 @@ from fivebar_atlas.planar_geometry import Arc, FloatArray, Point, mirror
 
 # Newton steps, and the residual, for R = 1, at which they end.
 _STEPS, _RESIDUAL = 12, 1e-15
+# Poses closer than this are one: next to a fold columns miss what is between its branches.
+_SAME_POSE = 0.1
+# Distance from which on an end is extended, up to which it is; how near is on the curve.
+_APART, _NEXT_TO, _ON_CURVE = 1e-8, 1.0, 1e-6
 # Chords of a stretch between two nodes from which its swept area is extrapolated.
 _CHORDS = 8
 
@@ -56,9 +60,8 @@ def residuals(lengths: Lengths, nodes: FloatArray) -> tuple[FloatArray, FloatArr
     slopes[:, 0, 0] = np.sin(turn)
     slopes[:, 0, 2] = -length * np.cos(turn) - 2.0 * platform * cosines[0] * sines[1]
     slopes[:, 0, 3] = length * np.cos(turn) - 2.0 * platform * sines[0] * cosines[1]
-    for place, leg in enumerate((1.0, -1.0)):
-        e = leg * (platform - base * np.cos(theta))
-        f = length + leg * base * np.sin(theta)
+    for place, (e, f) in enumerate(leg_vectors(lengths, length, theta)):
+        leg = 1.0 - 2.0 * place
         a, b = e - l_b * cosines[place], f - l_b * sines[place]
         values[:, 1 + place] = a * a + b * b - l_a * l_a
         slopes[:, 1 + place, 0] = 2.0 * b
@@ -67,16 +70,40 @@ def residuals(lengths: Lengths, nodes: FloatArray) -> tuple[FloatArray, FloatArr
     return values, slopes
 
 
+def leg_vectors(
+    lengths: Lengths, length: FloatArray, theta: FloatArray
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Return the vectors from B_i to b_i of both legs in the axes of the platform."""
+    base, platform, _, _ = lengths
+    return [
+        (leg * (platform - base * np.cos(theta)), length + leg * base * np.sin(theta))
+        for leg in (1.0, -1.0)
+    ]
+
+
+def upper_directions(
+    lengths: Lengths, length: FloatArray, theta: FloatArray, elbows: tuple[float, float]
+) -> list[FloatArray]:
+    """Return χ1 and χ2 of poses; beyond reach those of straight legs."""
+    _, _, l_a, l_b = lengths
+    found = []
+    for (e, f), elbow in zip(leg_vectors(lengths, length, theta), elbows, strict=True):
+        reach2 = e * e + f * f
+        areas2 = ((l_a + l_b) ** 2 - reach2) * (reach2 - (l_a - l_b) ** 2)
+        across = -elbow * np.sqrt(np.maximum(areas2, 0.0))
+        along = reach2 + (l_b - l_a) * (l_b + l_a)
+        found.append(np.arctan2(along * f + across * e, along * e - across * f))
+    return found
+
+
 def elbow_sides(lengths: Lengths, nodes: FloatArray) -> FloatArray:
     """Return f_i cos χ_i - e_i sin χ_i, positive for elbows as +1, zero for straight legs."""
-    base, platform, _, _ = lengths
     length, theta, *chi = nodes.T
-    sides = []
-    for angle, leg in zip(chi, (1.0, -1.0), strict=True):
-        e = leg * (platform - base * np.cos(theta))
-        f = length + leg * base * np.sin(theta)
-        sides.append(f * np.cos(angle) - e * np.sin(angle))
-    return np.stack(sides, axis=1)
+    legs = leg_vectors(lengths, length, theta)
+    return np.stack(
+        [f * np.cos(angle) - e * np.sin(angle) for (e, f), angle in zip(legs, chi, strict=True)],
+        axis=1,
+    )
 
 
 def moved_onto(lengths: Lengths, nodes: FloatArray) -> FloatArray:
@@ -161,10 +188,15 @@ class ForwardArc(Arc):
 
     def at(self, shares: FloatArray) -> FloatArray:
         """Return l, θ, χ1, χ2 at shares of the arc, shape (n, 4)."""
+        return moved_onto(self.lengths, self._spline(np.clip(shares, 0.0, 1.0)))
+
+    @functools.cached_property
+    def _spline(self) -> Callable[[FloatArray], FloatArray]:
+        """The cubic spline through the nodes."""
         from scipy.interpolate import CubicSpline
 
-        guess = CubicSpline(self._places, self.nodes)(np.clip(shares, 0.0, 1.0))
-        return moved_onto(self.lengths, guess)
+        spline: Callable[[FloatArray], FloatArray] = CubicSpline(self._places, self.nodes)
+        return spline
 
     @functools.cached_property
     def _places(self) -> FloatArray:
@@ -198,14 +230,41 @@ class ForwardArc(Arc):
             ]
         return math.fsum(areas[0])
 
+    def extended(self, point: Point, at_end: bool) -> ForwardArc:
+        """Return the arc up to a point next to one of its ends, which becomes that end.
+
+        It is extended along the curve where the point lies on it, but not to O.
+        """
+        node = self.nodes[-1 if at_end else 0]
+        sides = elbow_sides(self.lengths, self.nodes[len(self.nodes) // 2][None])[0]
+        elbows = (math.copysign(1.0, sides[0]), math.copysign(1.0, sides[1]))
+        pose = np.array([math.hypot(*point), math.atan2(-point[0], point[1])])
+        chi = upper_directions(self.lengths, pose[:1], pose[1:], elbows)
+        fresh = np.concatenate([pose, *chi])
+        fresh[2:] += 2.0 * math.pi * np.round((node - fresh)[2:] / (2.0 * math.pi))
+        nodes = self.nodes
+        if pose[0] > 0.0 and np.abs(fresh - node)[:2].max() > _APART:
+            fresh = moved_onto(self.lengths, fresh[None])[0]
+            is_near = np.abs(fresh - node).max() < _NEXT_TO
+            if is_near and np.abs(fresh[:2] - pose).max() < _ON_CURVE:
+                nodes = np.vstack([nodes, fresh] if at_end else [fresh, nodes])
+        start, end = (self.start, point) if at_end else (point, self.end)
+        return dataclasses.replace(self, nodes=nodes, start=start, end=end)
+
+    def goes_on_in(self, other: ForwardArc) -> bool:
+        """Tell whether another arc begins in the pose in which this one ends."""
+        return bool(np.abs(self.nodes[-1] - self._turned(other)[0]).max() < _SAME_POSE)
+
     def followed_by(self, other: ForwardArc) -> ForwardArc:
         """Return this arc and the one that goes on where it ends as one."""
-        shift = np.zeros(4)
-        shift[2:] = (
-            2.0 * math.pi * np.round((self.nodes[-1, 2:] - other.nodes[0, 2:]) / 2 / math.pi)
-        )
-        nodes = np.vstack([self.nodes, other.nodes[1:] + shift])
+        nodes = np.vstack([self.nodes, self._turned(other)[1:]])
         return dataclasses.replace(self, nodes=nodes, end=other.end)
+
+    def _turned(self, other: ForwardArc) -> FloatArray:
+        """Return the nodes of another arc with angles that go on from those of this one."""
+        turns = np.round((self.nodes[-1] - other.nodes[0]) / (2.0 * math.pi))
+        turns[:2] = 0.0  # only the directions of links know whole turns
+        return np.asarray(other.nodes + 2.0 * math.pi * turns)
 
     def reversed(self) -> ForwardArc:
         """Return the arc run through the other way."""

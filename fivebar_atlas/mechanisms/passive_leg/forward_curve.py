@@ -17,13 +17,17 @@ import numpy.typing as npt
 
 from fivebar_atlas.mechanisms.passive_leg.forward_arc import (
     elbow_sides,
+    leg_vectors,
     moved_onto,
     residuals,
     solved,
     tangent,
+    upper_directions,
 )
 from fivebar_atlas.mechanisms.passive_leg.points import Lengths
 from fivebar_atlas.planar_geometry import FloatArray
+
+BoolArray = npt.NDArray[np.bool_]
 
 #: Why a stretch of the curve ends: a leg is straight, both upper links lie along the platform, the
 #: passive leg is at its limit or has no length, or the curve closes.
@@ -98,7 +102,9 @@ def _seeds(lengths: Lengths, theta_limit: float) -> FloatArray:
     share = 0.5 * (1.0 - np.cos(math.pi * v))
     length = ends[:-1, None] + (ends[1:] - ends[:-1])[:, None] * share[:, None]
     angles = np.broadcast_to(theta, length.shape)
-    inside = ends[1:] - ends[:-1] > 1e-9
+    inside = _are_reached(
+        lengths, 0.5 * (ends[1:] + ends[:-1]), np.broadcast_to(theta, ends[1:].shape)
+    )
     seeds = []
     for elbow1 in (-1.0, 1.0):
         for elbow2 in (-1.0, 1.0):
@@ -112,36 +118,28 @@ def _seeds(lengths: Lengths, theta_limit: float) -> FloatArray:
                 middle = 0.5 * (low + high)
                 same = value(middle, at) * f_low > 0.0
                 low, high = np.where(same, middle, low), np.where(same, high, middle)
-            chi = _directions(lengths, low, at, (elbow1, elbow2))
+            chi = upper_directions(lengths, low, at, (elbow1, elbow2))
             seeds.append(np.column_stack([low, at, *chi]))
     return moved_onto(lengths, np.concatenate(seeds))
-
-
-def _directions(
-    lengths: Lengths, length: FloatArray, theta: FloatArray, elbows: tuple[float, float]
-) -> list[FloatArray]:
-    """Return the directions of both upper links in platform axes; NaN beyond reach."""
-    base, platform, l_a, l_b = lengths
-    found = []
-    for leg, elbow in zip((1.0, -1.0), elbows, strict=True):
-        e = leg * (platform - base * np.cos(theta))
-        f = length + leg * base * np.sin(theta)
-        reach2 = e * e + f * f
-        areas2 = ((l_a + l_b) ** 2 - reach2) * (reach2 - (l_a - l_b) ** 2)
-        with np.errstate(invalid="ignore"):
-            across = -elbow * np.sqrt(areas2)
-        along = reach2 + (l_b - l_a) * (l_b + l_a)
-        found.append(np.arctan2(along * f + across * e, along * e - across * f))
-    return found
 
 
 def _value(
     lengths: Lengths, length: FloatArray, theta: FloatArray, elbows: tuple[float, float]
 ) -> FloatArray:
-    """Return f / l_b²; NaN beyond reach."""
-    chi1, chi2 = _directions(lengths, length, theta, elbows)
+    """Return f / l_b²; beyond reach that of straight legs."""
+    chi1, chi2 = upper_directions(lengths, length, theta, elbows)
     crossed = length * np.sin(chi2 - chi1)
     return np.asarray(crossed - 2.0 * lengths[1] * np.sin(chi1) * np.sin(chi2))
+
+
+def _are_reached(lengths: Lengths, length: FloatArray, theta: FloatArray) -> BoolArray:
+    """Tell which poses both legs reach."""
+    _, _, l_a, l_b = lengths
+    reached = np.ones(length.shape, dtype=np.bool_)
+    for e, f in leg_vectors(lengths, length, theta):
+        reach2 = e * e + f * f
+        reached &= (reach2 <= (l_a + l_b) ** 2) & (reach2 >= (l_a - l_b) ** 2)
+    return reached
 
 
 def _is_on(known: FloatArray, point: FloatArray) -> bool:
@@ -251,7 +249,7 @@ def _cut(lengths: Lengths, chain: FloatArray, ends: tuple[str, str]) -> list[Str
     """Cut a chain of points where a leg is straight or the upper links lie along the platform."""
     tests = np.column_stack([elbow_sides(lengths, chain), np.sin(chain[:, 2])])
     # what vanishes in a node belongs to the node's other side
-    signs: npt.NDArray[np.bool_] = tests > 0.0
+    signs: BoolArray = tests > 0.0
     conditions = (_straight(lengths, 0), _straight(lengths, 1), _along_platform)
     reasons = (STRAIGHT, STRAIGHT, ALONG)
     pieces: list[tuple[FloatArray, tuple[str, str]]] = []

@@ -71,8 +71,8 @@ FOLDED = (
     Curve("C_1i", "$C_{1i}$", SERIAL, "leg 1 is folded"),
     Curve("C_2i", "$C_{2i}$", SERIAL, "leg 2 is folded"),
 )
-FORWARD = Curve("C_x", "$C_x$", PARALLEL, "the platform moves with both inputs at rest")
-PASSIVE_JOINTS = (
+SINGULAR_PLATFORM = Curve("C_x", "$C_x$", PARALLEL, "the platform moves with both inputs at rest")
+LEVEL_LINKS = (
     Curve("q_1", "$q_1 = 0$", LIMIT, "the upper link of leg 1 is level with the platform"),
     Curve("q_2", "$q_2 = 0$", LIMIT, "the upper link of leg 2 is level with the platform"),
 )
@@ -327,6 +327,7 @@ class _StraightLeg:
 
 def _forward_arcs(lengths: Lengths, limits: Limits, pairs: Collection[Signs]) -> Iterator[NamedArc]:
     """Yield the arcs on which J_x is singular, one working mode each."""
+    what = SINGULAR_PLATFORM
     for stretch in forward_curve.forward_curve(lengths, limits.theta):
         if limits.joints and not stretch.below:
             continue
@@ -340,7 +341,7 @@ def _forward_arcs(lengths: Lengths, limits: Limits, pairs: Collection[Signs]) ->
         up = LEFT if _up_is_left(lengths, stretch) else RIGHT
         down = RIGHT if up == LEFT else LEFT
         sides = {mode_label(signs): up if signs[2] > 0 else down for signs in borders}
-        yield NamedArc(FORWARD.name, FORWARD.symbol, FORWARD.kind, arc, ends, sides)
+        yield NamedArc(what.name, what.symbol, what.kind, arc, ends, sides)
 
 
 def _up_is_left(lengths: Lengths, stretch: Stretch) -> bool:

@@ -62,12 +62,33 @@ def upper_links_at(
         length, theta = pose_of(x[k], y[k])
         if is_pose(base, platform, l_a, l_b, limit, length, theta):
             c, s = math.cos(theta), math.sin(theta)
-            e1, f1 = leg_vector(base, platform, length, c, s, 1.0)
-            e2, f2 = leg_vector(base, platform, length, c, s, -1.0)
-            a1, b1 = lower_link(l_a, l_b, e1, f1, elbow1)
-            a2, b2 = lower_link(l_a, l_b, e2, f2, elbow2)
-            out[k, 0], out[k, 1] = e1 - a1, f1 - b1
-            out[k, 2], out[k, 3] = e2 - a2, f2 - b2
+            for leg in range(2):
+                side, elbow = (1.0, elbow1) if leg == 0 else (-1.0, elbow2)
+                e, f = leg_vector(base, platform, length, c, s, side)
+                a, b = lower_link(l_a, l_b, e, f, elbow)
+                out[k, 2 * leg], out[k, 2 * leg + 1] = e - a, f - b
+
+
+@kernel
+def joints_at(
+    base: float, platform: float, l_a: float, l_b: float, limit: float,
+    x: FloatArray, y: FloatArray, elbow1: float, elbow2: float, out: FloatArray,
+) -> None:  # fmt: skip
+    """Fill in B1, B2, O, d1, d2, b1 and b2 at points, shape (n, 7, 2)."""
+    for k in range(len(x)):
+        out[k] = math.nan
+        length, theta = pose_of(x[k], y[k])
+        if is_pose(base, platform, l_a, l_b, limit, length, theta):
+            c, s = math.cos(theta), math.sin(theta)
+            out[k, 2] = 0.0
+            for leg in range(2):
+                side, elbow = (1.0, elbow1) if leg == 0 else (-1.0, elbow2)
+                e, f = leg_vector(base, platform, length, c, s, side)
+                a, b = lower_link(l_a, l_b, e, f, elbow)
+                out[k, leg, 0], out[k, leg, 1] = side * base, 0.0
+                out[k, 3 + leg, 0], out[k, 3 + leg, 1] = side * base + a * c - b * s, a * s + b * c
+                out[k, 5 + leg, 0] = x[k] + side * platform * c
+                out[k, 5 + leg, 1] = y[k] + side * platform * s
 
 
 @kernel

@@ -83,7 +83,7 @@ class ReachCurve:
         gap = max(-reach, min(reach, arm - base * c))
         half = math.sqrt((reach - gap) * (reach + gap))
         # ∫ 2 R sin θ √(ρ² - v²) dθ with v = a - R cos θ
-        lens = gap * half + (reach * reach * math.asin(gap / reach) if reach > 0.0 else 0.0)
+        lens = gap * half + reach * reach * math.atan2(gap, half)
         even = (reach * reach - arm * arm) * theta + base * s * (2.0 * arm - base * c)
         return 0.5 * (even - self.leg * sheet * lens)
 
