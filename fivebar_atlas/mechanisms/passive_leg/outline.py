@@ -143,6 +143,22 @@ class ModePart:
         _, r, l_a, l_b = self.lengths
         find_column(col, r, l_a, l_b, theta, *self.elbows, self.sign, self.conditions)
 
+    def intervals(self, theta: float) -> list[tuple[float, float]]:
+        """Return the intervals of l that are usable at an angle in the plane, by rising l."""
+        angle = abs(theta) if self.is_symmetric else self.turn * theta
+        runs = self.runs
+        last = int(runs.count[0]) - 1
+        if not runs.start[0] <= angle <= runs.end[last]:
+            return []
+        run = max(int(np.searchsorted(runs.start[: last + 1], angle, side="right")) - 1, 0)
+        of_part = runs.part[run, : runs.intervals[run]] == self.part
+        col = column_space()
+        self.column(col, angle)
+        count = int(col.count[0])
+        if count != len(of_part):  # in a column that runs have missed all is usable or nothing
+            of_part = np.full(count, bool(of_part.any()))
+        return [(float(col.low[i]), float(col.high[i])) for i in np.flatnonzero(of_part)]
+
 
 def column_space() -> Column:
     """Return work space for one column."""
@@ -329,13 +345,18 @@ def _snapped(theta: float, known: Sequence[float]) -> float:
     return nearest if abs(nearest - theta) < _SNAP else theta
 
 
+def level_curves(lengths: Lengths) -> list[ReachCurve]:
+    """Return the curves on which an upper link may be level with the platform, leg by leg."""
+    base, platform, l_a, l_b = lengths
+    arms = [platform + l_b, platform - l_b] if platform != l_b else [platform + l_b]
+    return [ReachCurve(base, arm, l_a, leg) for leg in (1.0, -1.0) for arm in arms]
+
+
 def _curves_of(lengths: Lengths, kind: int) -> list[ReachCurve]:
     """Return the curves in closed form that an edge of a kind may be on."""
-    base, platform, l_a, l_b = lengths
     leg = 0 if kind in (OUTER_1, INNER_1, LIMIT_1) else 1
     if kind in (LIMIT_1, LIMIT_2):
-        arms = [platform + l_b, platform - l_b] if platform != l_b else [platform + l_b]
-        return [ReachCurve(base, arm, l_a, 1.0 - 2.0 * leg) for arm in arms]
+        return [curve for curve in level_curves(lengths) if curve.leg == 1.0 - 2.0 * leg]
     return [reach_curve(lengths, leg, kind in (OUTER_1, OUTER_2))]
 
 

@@ -28,13 +28,20 @@ from fivebar_atlas.mechanisms.passive_leg.containment import (
 from fivebar_atlas.mechanisms.passive_leg.evaluation import evaluate_designs
 from fivebar_atlas.mechanisms.passive_leg.inscribed_circle import largest_circle_on_axis
 from fivebar_atlas.mechanisms.passive_leg.loci import Limits, isolated_points, singular_arcs
+from fivebar_atlas.mechanisms.passive_leg.operating_limits import operating_limits
 from fivebar_atlas.mechanisms.passive_leg.outline import UsableWorkspace, usable_workspace_of
 from fivebar_atlas.mechanisms.passive_leg.path import check_path
 from fivebar_atlas.mechanisms.passive_leg.path_least import least_on_path
 from fivebar_atlas.mechanisms.passive_leg.points import Lengths
 from fivebar_atlas.mechanisms.passive_leg.poses import forward_poses, inverse_poses, pose_at
 from fivebar_atlas.mechanisms.paths import columns
-from fivebar_atlas.mechanisms.planar import PathLeast, PathReport, PlanarDesign, Pose
+from fivebar_atlas.mechanisms.planar import (
+    OperatingLimits,
+    PathLeast,
+    PathReport,
+    PlanarDesign,
+    Pose,
+)
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
 # Grid cells along a workspace from which its level curves start, how far the middle of a side may
@@ -360,6 +367,23 @@ class PassiveLeg(PlanarDesign):
         values = self._evaluated(mode, np.empty(0))
         value, x, y = (float(values[name][0, 0]) for name in ("max_lci", "max_lci_x", "max_lci_y"))
         return None if math.isnan(value) else (value, (x, y))
+
+    def operating_limits(self, mode: str = "+-/up", count: int = 181) -> OperatingLimits:
+        """Return the least and the greatest φ1 and φ2 for angles of the passive leg (Fig. 9).
+
+        Parameters
+        ----------
+        mode
+            Mode pair.
+        count
+            Number of angles over the range of the passive leg, at least 2.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such mode pair.
+        """
+        return operating_limits(self, parse_mode_pair(mode), count)
 
     def pose(self, x: float, y: float, mode: str = "+-") -> Pose:
         """Return the linkage with C at a point, in a mode pair or working mode.
