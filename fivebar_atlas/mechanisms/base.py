@@ -757,9 +757,11 @@ class Mechanism(ABC):
         Raises
         ------
         InputError
-            If the output of the mechanism does not move in a plane.
+            If the designs of the mechanism cannot be searched for a shape.
         """
-        raise InputError("mechanism", self.name, "a mechanism whose output point moves in a plane")
+        raise InputError(
+            "mechanism", self.name, "a mechanism whose designs can be searched for a shape"
+        )
 
     def placed_extremes(
         self,
@@ -780,9 +782,11 @@ class Mechanism(ABC):
         Raises
         ------
         InputError
-            If the output of the mechanism does not move in a plane.
+            If the designs of the mechanism cannot be searched for a shape.
         """
-        raise InputError("mechanism", self.name, "a mechanism whose output point moves in a plane")
+        raise InputError(
+            "mechanism", self.name, "a mechanism whose designs can be searched for a shape"
+        )
 
     def moving_links(self, designs: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return the lengths of all moving links together, shape (n,), for designs.
