@@ -24,8 +24,8 @@ import numpy as np
 from fivebar_atlas.mechanisms.passive_leg.points import Lengths
 from fivebar_atlas.planar_geometry import Arc, FloatArray, Point, mirror
 
-# Newton steps, and the residual, for R = 1, at which they end.
-_STEPS, _RESIDUAL = 12, 1e-15
+# Newton steps, and the residual, for R = 1, from which the next step leads to rounding.
+_STEPS, _RESIDUAL = 12, 1e-9
 # Poses closer than this are one: next to a fold columns miss what is between its branches.
 _SAME_POSE = 0.1
 # Distance from which on an end is extended, up to which it is; how near is on the curve.
@@ -110,11 +110,11 @@ def moved_onto(lengths: Lengths, nodes: FloatArray) -> FloatArray:
     """Return the points of the curve that Newton's method of least steps finds, shape (n, 4)."""
     for _ in range(_STEPS):
         values, slopes = residuals(lengths, nodes)
-        if np.max(np.abs(values), initial=0.0) <= _RESIDUAL:
-            break
         squares = slopes @ slopes.transpose(0, 2, 1)
         shares = np.linalg.solve(squares, values[:, :, None])
         nodes = nodes - (slopes.transpose(0, 2, 1) @ shares)[:, :, 0]
+        if np.max(np.abs(values), initial=0.0) <= _RESIDUAL:
+            break
     return nodes
 
 
