@@ -9,8 +9,9 @@ FIGURES ?= area gci region
 FORMAT ?= png
 SWEEP_OPTIONS ?=
 PLOT_OPTIONS ?=
-# Conditions of the optimum region, one `--where` each.
+# Conditions of the optimum region, one `--where` each, and those of one configuration.
 REGION ?= --where 'usable_workspace_area>=24' --where 'gci>=0.62'
+REGION_passive-leg ?= --where 'usable_workspace_area>=12' --where 'gci>=0.55'
 
 BIN := $(VENV)/bin
 ATLAS := $(BIN)/atlas
@@ -77,7 +78,7 @@ $(OUT)/%.h5: configs/%.toml | $(ATLAS)
 	$(ATLAS) sweep $< -o $@ $(if $(wildcard $@.partial),--resume) --overwrite $(SWEEP_OPTIONS)
 
 # What a kind of figure needs beyond the file and the output.
-options_region = $(REGION)
+options_region = $(or $(REGION_$*),$(REGION))
 
 define picture
 $(OUT)/%-$(1).$(FORMAT): $(OUT)/%.h5 | $(ATLAS)

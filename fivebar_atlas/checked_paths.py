@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from fivebar_atlas import mechanisms
 from fivebar_atlas.closed_paths import closed, path_lengths
 from fivebar_atlas.errors import InfeasiblePathError
 from fivebar_atlas.mechanisms.base import FloatArray, plain
@@ -85,6 +86,14 @@ class CheckedPath:
         """``"feasible"``, or the first fault: where it is, the locus that is met, the reason."""
         fault = self.report.fault
         return "feasible" if fault is None else self._fault_text(fault, numbered=True)
+
+    @property
+    def input_texts(self) -> tuple[str, ...]:
+        """Inputs as they are written in text: ``"θ1"``."""
+        mechanism = mechanisms.get(self.design.mechanism)
+        return tuple(
+            mechanism.input_text(number + 1) for number in range(self.report.inputs.shape[1])
+        )
 
     @property
     def lengths(self) -> FloatArray:
@@ -209,7 +218,7 @@ class CheckedPath:
 
     def _columns(self) -> list[str]:
         unit = f"_{self.design.unit}" if self.design.unit else ""
-        angles = [f"theta{number + 1}_deg" for number in range(self.report.inputs.shape[1])]
+        angles = [f"{name}_deg" for name in mechanisms.get(self.design.mechanism).input_names]
         return [
             *("point", f"x{unit}", f"y{unit}", f"path_length{unit}"),
             *(*angles, "lci", f"distance{unit}", "nearest_locus"),

@@ -48,6 +48,7 @@ class SlicedMechanism(Mechanism):
     )
     lengths = (Parameter("A", "$A$", "1", "frame"), *parameters)
     proportions = lengths
+    input_names = ("q1", "phi2")
     factor_phrase = "A"
     design_phrase = "A = 1"
     quantities = (Quantity("stretch", "$s$", "1", "stretch", (DESIGN, MODE), length_power=1),)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,9 +12,11 @@ import pytest
 from conftest import Command
 
 from fivebar_atlas import FiveBar, mechanisms
+from fivebar_atlas.checked_paths import CheckedPath
 from fivebar_atlas.errors import InputError, UnknownNameError
 from fivebar_atlas.mechanisms.five_bar.mechanism import FiveBarMechanism
 from fivebar_atlas.mechanisms.scaled_design import ScaledDesign
+from fivebar_atlas.synthesis.containment import ActuatorRange
 from fivebar_atlas.synthesis.link_limits import LinkLimit, check_limits, length_name
 
 
@@ -66,6 +69,23 @@ def test_symbols_of_a_machine_are_those_of_its_mechanism(sliced: str) -> None:  
     assert {link.symbol for link in links} == {"$R_1$", "$R_2$", "$R_3$"}
 
 
+def test_inputs_are_written_with_the_letters_of_the_mechanism(sliced: str) -> None:
+    assert [mechanisms.get("five-bar").input_text(number) for number in (1, 2)] == ["θ1", "θ2"]
+    assert [mechanisms.get("passive-leg").input_text(number) for number in (1, 2)] == ["φ1", "φ2"]
+    assert [mechanisms.get(sliced).input_text(number) for number in (1, 2)] == ["q1", "φ2"]
+    limit = ActuatorRange(2, 0.0, math.radians(45.0))
+    assert limit.text(mechanisms.get(sliced)) == "φ2 from 0 to 45 deg"
+
+
+def test_a_path_is_reported_with_the_inputs_of_its_mechanism(sliced: str, tmp_path: Path) -> None:  # noqa: ARG001
+    design = ForeignDesign(1.0, 1.2, 0.8)
+    checked = CheckedPath.of(design, np.array([[0.0, 1.0], [0.1, 1.0]]), "+-/up", close=False)
+    assert checked.input_texts == ("q1", "φ2")
+    checked.write_csv(tmp_path / "path.csv", False)
+    header = (tmp_path / "path.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
+    assert header[4:6] == ["q1_deg", "phi2_deg"]
+
+
 def test_names_of_lengths_are_read_in_other_letters_only_where_that_is_clear() -> None:
     names = ("R", "r", "l_a", "l_b")
     assert [length_name(name, names) for name in ("R", "r", "L_A", "l_b")] == list(names)
@@ -88,6 +108,10 @@ def test_one_design_is_given_and_shown_by_its_lengths(sliced: str, atlas: Comman
     document = json.loads(atlas(*command, "--json").out)
     assert (document["a"], document["b"], document["c"]) == (0.5, 0.25, 0.2)
     assert document["dimensional_factor"] == 20.0
+    assert document["dimensional"] == {
+        **{"A": 20.0, "a": 10.0, "b": 5.0, "c": 4.0},
+        "stretch": [pytest.approx(20.0 * (0.5 + 0.0625 + 0.6))],
+    }
     rows = [line.split() for line in atlas(*command).out.splitlines()]
     assert ["A", "1", "20"] in rows
     assert ["a", "0.5", "10"] in rows

@@ -223,14 +223,15 @@ class MachineText:
     def _inputs(self) -> Iterator[Row]:
         """Yield what the inputs run over."""
         for each in self.machine.input_ranges:
+            name = self._mechanism.input_text(each.number)
             if each.is_full_turn:
-                yield Row(f"θ{each.number}", "0 to 360 deg, full turns")
+                yield Row(name, "0 to 360 deg, full turns")
                 continue
             assert each.at_least is not None
             assert each.at_greatest is not None
             least, greatest = math.degrees(each.least), math.degrees(each.greatest)
             places = f"at {self._place(each.at_least)} and {self._place(each.at_greatest)}"
-            yield Row(f"θ{each.number}", f"{least:.4f} to {greatest:.4f} deg", note=places)
+            yield Row(name, f"{least:.4f} to {greatest:.4f} deg", note=places)
 
     def _worst_cases(self) -> Iterator[Row]:
         """Yield the largest error and torque, as far as they are asked for."""

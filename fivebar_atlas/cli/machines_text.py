@@ -100,7 +100,7 @@ class MachinesText:
             Row("Minimised", task.goal.long_name),
             Row("Searched", self._searched),
             *option_rows(task.mechanism, task.options),
-            *(Row("Actuator range", str(each)) for each in task.ranges),
+            *(Row("Actuator range", each.text(task.mechanism)) for each in task.ranges),
             *(
                 Row(f"Limits of {each.name}", f"{each.least:g} to {each.greatest:g} {task.unit}")
                 for each in task.limits
@@ -182,8 +182,11 @@ class MachinesText:
 
     def _margins(self, ranked: RankedMachine) -> Iterator[tuple[str, str]]:
         """Yield what is left to each limit, with its unit."""
+        mechanism = self.task.mechanism
+        inputs = [mechanism.input_text(each.number) for each in self.task.ranges]
         for name, margin in ranked.margins.items():
-            unit = "" if name == "LCI" else " deg" if "θ" in name else f" {self.task.unit}"
+            is_angle = name.rpartition(" ")[2] in inputs
+            unit = "" if name == "LCI" else " deg" if is_angle else f" {self.task.unit}"
             yield name, f"{margin:.4g}{unit}"
 
     def _lengths(self, ranked: RankedMachine) -> str:

@@ -122,7 +122,7 @@ def _table(checked: CheckedPath) -> Iterator[str]:
     import numpy as np
 
     report, unit = checked.report, checked.design.unit
-    angles = [f"θ{number + 1}" for number in range(report.inputs.shape[1])]
+    angles = [*checked.input_texts]
     yield _row("point", ["x", "y"], angles, "LCI", "distance", "nearest")
     lengths = f"({unit})" if unit else ""
     yield _row("", [lengths] * 2, ["(deg)"] * len(angles), "", lengths, "locus")
@@ -155,13 +155,14 @@ def _summary(checked: CheckedPath) -> Iterator[str]:
     turns = checked.turns()
     if not np.all(np.isnan(report.lci)):
         yield f"inputs at the points{'' if report.feasible else ' before the fault'}:"
-    for number, angles in enumerate(np.degrees(report.inputs).T):
+    for number, name in enumerate(checked.input_texts):
+        angles = np.degrees(report.inputs[:, number])
         low, high = checked.least(angles), checked.least(-angles)
         if low is None or high is None:
             continue
         gain = f", {_turned(turns[number])}" if turns is not None else ""
         yield (
-            f"θ{number + 1:<9} {angles[low] + 0.0:.2f} deg ({_point(checked, low)}) to "
+            f"{name:<10} {angles[low] + 0.0:.2f} deg ({_point(checked, low)}) to "
             f"{angles[high] + 0.0:.2f} deg ({_point(checked, high)}){gain}"
         )
     if checked.extremes is not None:

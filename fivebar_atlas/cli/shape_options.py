@@ -65,7 +65,7 @@ actuator_range_option = click.option(
     type=(int, float, float),
     multiple=True,
     metavar="I MIN MAX",
-    help="Range of θI in degrees; repeatable.",
+    help="Range of input I, from 1, in degrees; repeatable.",
 )
 limit_options = together(
     actuator_range_option,

@@ -422,7 +422,7 @@ def task_rows(task: SquareTask) -> Iterator[Row]:
     if task.aspect != 1.0:
         yield Row("width : height", f"{task.aspect:g}")
     for each in task.ranges:
-        yield Row("actuator range", str(each))
+        yield Row("actuator range", each.text(task.mechanism))
 
 
 def _remark(gain: Gain) -> str:

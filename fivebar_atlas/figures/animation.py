@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
+from fivebar_atlas import mechanisms
 from fivebar_atlas.checked_paths import CheckedPath, usable_region
 from fivebar_atlas.closed_paths import places_along
 from fivebar_atlas.errors import InputError
@@ -70,8 +71,9 @@ class PathAnimation:
         The linkage in every frame.
     lengths
         Length of the way to the place of every frame, shape (frames,).
-    inputs
-        Input angles in every frame in radians, continuous, shape (frames, inputs).
+    inputs, input_names
+        Input angles in every frame in radians, continuous, shape (frames, inputs), and what they
+        are called in files.
     lci
         Local conditioning index in every frame, shape (frames,).
     way, way_lengths
@@ -86,6 +88,7 @@ class PathAnimation:
     poses: tuple[Pose, ...]
     lengths: FloatArray
     inputs: FloatArray
+    input_names: tuple[str, ...]
     lci: FloatArray
     way: FloatArray
     way_lengths: FloatArray
@@ -173,6 +176,7 @@ def path_animation(checked: CheckedPath, frames: int, width: float = WIDTH) -> P
             poses=poses,
             lengths=stations,
             inputs=inputs,
+            input_names=mechanisms.get(checked.design.mechanism).input_names,
             lci=fine.report.lci[at_frames],
             way=way,
             way_lengths=lengths,

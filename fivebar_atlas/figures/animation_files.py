@@ -164,7 +164,7 @@ def save_frames(
     header = [
         *("frame", "time_s", f"path_length{suffix}"),
         *(f"{name}_{axis}{suffix}" for name in names for axis in "xy"),
-        *(f"theta{number + 1}_deg" for number in range(animation.inputs.shape[1])),
+        *(f"{name}_deg" for name in animation.input_names),
         "lci",
     ]
     with (

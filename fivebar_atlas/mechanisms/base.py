@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import unicodedata
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
@@ -404,6 +405,8 @@ class Mechanism(ABC):
     #: therefore holds of a design, ``"r1 + r2 + r3 = 3"``; empty where designs have no scale.
     factor_phrase: str = ""
     design_phrase: str = ""
+    #: Names of the input angles, in letters that a file may have: Greek ones by their names.
+    input_names: tuple[str, ...] = ("theta1", "theta2")
     #: Everything the evaluator computes, error companions not listed separately.
     quantities: tuple[Quantity, ...]
     #: What an atlas has besides, from the quantities of all its designs.
@@ -421,6 +424,16 @@ class Mechanism(ABC):
     tolerance_range: tuple[float, float] = (1e-10, 1e-3)
     #: What else a sweep may choose, beyond space, mode pairs, thresholds and tolerance.
     options: tuple[SweepOption, ...] = ()
+
+    def input_text(self, number: int) -> str:
+        """Return an input, counted from 1, as it is written in text: ``"θ1"``."""
+        name = self.input_names[number - 1]
+        letter = name.rstrip("0123456789")
+        try:
+            greek = unicodedata.lookup(f"GREEK SMALL LETTER {letter}")
+        except KeyError:
+            return name
+        return greek + name.removeprefix(letter)
 
     @property
     def proportions(self) -> tuple[Parameter, ...]:
@@ -744,9 +757,11 @@ class Mechanism(ABC):
         Raises
         ------
         InputError
-            If the output of the mechanism does not move in a plane.
+            If the designs of the mechanism cannot be searched for a shape.
         """
-        raise InputError("mechanism", self.name, "a mechanism whose output point moves in a plane")
+        raise InputError(
+            "mechanism", self.name, "a mechanism whose designs can be searched for a shape"
+        )
 
     def placed_extremes(
         self,
@@ -767,9 +782,11 @@ class Mechanism(ABC):
         Raises
         ------
         InputError
-            If the output of the mechanism does not move in a plane.
+            If the designs of the mechanism cannot be searched for a shape.
         """
-        raise InputError("mechanism", self.name, "a mechanism whose output point moves in a plane")
+        raise InputError(
+            "mechanism", self.name, "a mechanism whose designs can be searched for a shape"
+        )
 
     def moving_links(self, designs: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return the lengths of all moving links together, shape (n,), for designs.
@@ -814,7 +831,9 @@ class Mechanism(ABC):
         Returns
         -------
         dict
-            Numbers, texts, lists and dictionaries; what does not exist is None.
+            Numbers, texts, lists and dictionaries; what does not exist is None. Values are those
+            of the non-dimensional design; ``dimensional`` has the lengths of the machine, and
+            again what has a power of D.
         """
         document: dict[str, Any] = {
             parameter.name: float(value)
@@ -829,6 +848,18 @@ class Mechanism(ABC):
             document[quantity.name] = plain(results[quantity.name][0], quantity.flags)
             if quantity.has_error:
                 document[quantity.error_name] = plain(results[quantity.error_name][0])
+        (proportions,) = self.proportions_of(parameters[np.newaxis])
+        dimensional: dict[str, Any] = {
+            each.name: factor * float(value)
+            for each, value in zip(self.lengths, proportions, strict=True)
+        }
+        for quantity in self.quantities:
+            scale = factor**quantity.length_power
+            if quantity.length_power:
+                dimensional[quantity.name] = plain(scale * results[quantity.name][0])
+            if quantity.length_power and quantity.has_error:
+                dimensional[quantity.error_name] = plain(scale * results[quantity.error_name][0])
+        document["dimensional"] = dimensional
         return document
 
     def quantity(self, name: str) -> Quantity:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from fivebar_atlas import mechanisms
 from fivebar_atlas.planar_geometry import FloatArray
 from fivebar_atlas.synthesis.containment import ActuatorRange, GoodCondition
 from fivebar_atlas.synthesis.shapes import Shape
@@ -51,7 +52,8 @@ def active_constraints(
     inputs = good.design.inputs(x, y, good.mode)
     for each in good.ranges:
         if each.is_limiting:
-            limits.update(_ends(each, inputs[:, each.number - 1]))
+            name = mechanisms.get(good.design.mechanism).input_text(each.number)
+            limits.update(_ends(each, name, inputs[:, each.number - 1]))
     active = []
     for name, margins in limits.items():
         touching = contacts[margins <= tolerance]
@@ -62,12 +64,11 @@ def active_constraints(
     return tuple(active)
 
 
-def _ends(limit: ActuatorRange, inputs: FloatArray) -> dict[str, FloatArray]:
-    """Return by how much inputs are inside of either end of a range."""
+def _ends(limit: ActuatorRange, name: str, inputs: FloatArray) -> dict[str, FloatArray]:
+    """Return by how much values of the input of a name are inside of either end of its range."""
     middle = 0.5 * (limit.least + limit.greatest)
     half = limit.greatest - middle
     off = np.remainder(inputs - middle + np.pi, 2.0 * np.pi) - np.pi
-    name = f"θ{limit.number}"
     return {f"least {name}": half + off, f"greatest {name}": half - off}
 
 

@@ -215,10 +215,9 @@ def _margins(task: MachineTask, machine: Machine) -> dict[str, float]:
             middle = 0.5 * (limit.least + limit.greatest)
             own = 0.5 * (found.least + found.greatest)
             turn = 2.0 * math.pi * round((middle - own) / (2.0 * math.pi))
-            margins[f"least θ{limit.number}"] = math.degrees(found.least + turn - limit.least)
-            margins[f"greatest θ{limit.number}"] = math.degrees(
-                limit.greatest - found.greatest - turn
-            )
+            name = task.mechanism.input_text(limit.number)
+            margins[f"least {name}"] = math.degrees(found.least + turn - limit.least)
+            margins[f"greatest {name}"] = math.degrees(limit.greatest - found.greatest - turn)
     for link in task.limits:
         name = length_name(link.name, machine.lengths)
         length = machine.lengths[name]
@@ -243,7 +242,7 @@ def _why_none(task: MachineTask) -> str:
     ]
     relaxed += [
         (
-            str(each),
+            each.text(task.mechanism),
             dataclasses.replace(
                 task, ranges=tuple(other for other in task.ranges if other is not each)
             ),

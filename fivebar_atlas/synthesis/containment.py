@@ -18,6 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fivebar_atlas.errors import InputError
+from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.planar import PlanarDesign
 from fivebar_atlas.planar_geometry import FloatArray
 from fivebar_atlas.synthesis.shapes import Shape
@@ -67,9 +68,10 @@ class ActuatorRange:
         if not self.least < self.greatest:
             raise InputError("actuator range", limits, "a least angle below the greatest")
 
-    def __str__(self) -> str:
+    def text(self, mechanism: Mechanism) -> str:
+        """Return the range with the name that the mechanism has for the input."""
         least, greatest = math.degrees(self.least), math.degrees(self.greatest)
-        return f"θ{self.number} from {least:g} to {greatest:g} deg"
+        return f"{mechanism.input_text(self.number)} from {least:g} to {greatest:g} deg"
 
     @property
     def is_limiting(self) -> bool:

@@ -290,9 +290,10 @@ def why_none(square: Square) -> str:
         room = float(each.margins(inputs[each.number - 1 : each.number])[0])
         if each.is_limiting and room < 0.0:
             angle = math.degrees(inputs[each.number - 1])
+            name = task.mechanism.input_text(each.number)
             reasons.append(
-                f"θ{each.number} is {angle:.6g} deg there, {math.degrees(-room):.4g} deg outside "
-                f"of {each}"
+                f"{name} is {angle:.6g} deg there, {math.degrees(-room):.4g} deg outside of "
+                f"{each.text(task.mechanism)}"
             )
     place = f"({square.centre[0] + 0.0:.6g}, {square.centre[1]:.6g})"
     return f"no {what}: its centre {place} is not allowed, for {' and '.join(reasons)}"
@@ -309,7 +310,9 @@ def check_ranges_allow(task: SquareTask, ratio: float) -> None:
         angle = inputs[each.number - 1]
         room = float(each.margins(np.array([angle]))[0])
         if each.is_limiting and room < 0.0:
-            reasons.append(f"θ{each.number} = {math.degrees(angle):g} deg and {each}")
+            name = task.mechanism.input_text(each.number)
+            asked = each.text(task.mechanism)
+            reasons.append(f"{name} = {math.degrees(angle):g} deg and {asked}")
     if reasons:
         raise InfeasibleSizeError(
             f"limits exclude the optimal configuration: it has {' and '.join(reasons)} is asked for"

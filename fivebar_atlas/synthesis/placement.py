@@ -15,6 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InfeasibleSizeError
 from fivebar_atlas.planar_geometry import FloatArray, Point
 from fivebar_atlas.synthesis.containment import INSIDE, OUTSIDE, GoodCondition, Proof, prove
@@ -387,6 +388,7 @@ def _why_not(search: ScaleSearch, placement: str | Point, boxes: Sequence[Box]) 
             )
         candidates = anchors[margins >= 0.0]
     inputs = good.design.inputs(candidates[:, 0], candidates[:, 1], good.mode)
+    mechanism = mechanisms.get(good.design.mechanism)
     reasons = []
     for each in good.ranges:
         room = each.margins(inputs[:, each.number - 1])
@@ -394,11 +396,11 @@ def _why_not(search: ScaleSearch, placement: str | Point, boxes: Sequence[Box]) 
             best = int(np.argmax(room))
             x, y = candidates[best] + 0.0
             reasons.append(
-                f"none of {len(room)} points {where} has {each}; closest comes "
-                f"({x:.4g}, {y:.4g}) of the non-dimensional design, "
+                f"none of {len(room)} points {where} has {each.text(mechanism)}; closest "
+                f"comes ({x:.4g}, {y:.4g}) of the non-dimensional design, "
                 f"{math.degrees(-room[best]):.4g} deg outside"
             )
     if not reasons:
-        limits = " and ".join(str(each) for each in good.ranges if each.is_limiting)
+        limits = " and ".join(each.text(mechanism) for each in good.ranges if each.is_limiting)
         reasons = [f"no place has {limits} throughout" if limits else f"no place {where} holds it"]
     return f"the {shape.name} fits at no size: {'; '.join(reasons)}"

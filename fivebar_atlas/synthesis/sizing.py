@@ -522,13 +522,15 @@ def _check_lengths(machine: Machine, limits: Sequence[LinkLimit]) -> None:
 
 def _check_inputs(machine: Machine) -> None:
     """Raise InfeasibleSizeError if an input leaves the range of its actuator."""
+    mechanism = mechanisms.get(machine.good.design.mechanism)
     reasons = []
     for limit in machine.good.ranges:
+        name, asked = mechanism.input_text(limit.number), limit.text(mechanism)
         found = machine.input_ranges[limit.number - 1]
         if not limit.is_limiting:
             continue
         if found.is_full_turn:
-            reasons.append(f"{limit} is asked for and θ{limit.number} turns fully")
+            reasons.append(f"{asked} is asked for and {name} turns fully")
             continue
         middle = 0.5 * (limit.least + limit.greatest)
         own = 0.5 * (found.least + found.greatest)
@@ -536,7 +538,7 @@ def _check_inputs(machine: Machine) -> None:
         least, greatest = found.least + turn, found.greatest + turn
         if least < limit.least - _ROUNDING or greatest > limit.greatest + _ROUNDING:
             runs = f"from {math.degrees(least):.4f} to {math.degrees(greatest):.4f} deg"
-            reasons.append(f"{limit} is asked for and θ{limit.number} runs {runs}")
+            reasons.append(f"{asked} is asked for and {name} runs {runs}")
     if reasons:
         raise InfeasibleSizeError(
             f"no size: inputs over the good-condition workspace do not depend on it, "

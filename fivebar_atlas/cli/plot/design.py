@@ -114,7 +114,7 @@ def _in_mode(design: PlanarDesign, poses: Sequence[Pose], mode: str | None) -> P
 @_one_design
 @click.option("--at", nargs=2, type=float, metavar="X Y", help="Position of P.")
 @click.option(
-    "--inputs", nargs=2, type=float, metavar="THETA1 THETA2", help="Input angles in degrees."
+    "--inputs", nargs=2, type=float, metavar="ANGLE ANGLE", help="Input angles in degrees."
 )
 @click.option("--mode", metavar="MODE", help="Mode pair, or with --at a working mode alone.")
 @click.option("--all", "all_solutions", is_flag=True, help="Draw all solutions side by side.")

@@ -96,7 +96,7 @@ def isotropic_points(
             if not is_found:
                 continue
             if is_half:
-                theta = abs(theta)
+                theta = abs(theta) if abs(theta) > _SAME else 0.0
             f, q1, q2 = conditions_at(
                 1.0, r, l_a, l_b, length, math.cos(theta), math.sin(theta), elbow1, elbow2
             )

@@ -71,6 +71,7 @@ class PassiveLegMechanism(Mechanism):
     )
     lengths = (Parameter("R", "$R$", "1", "half the distance of the base joints"), *parameters)
     proportions = lengths
+    input_names = ("phi1", "phi2")
     factor_phrase = "R"
     design_phrase = "R = 1"
     quantities = (

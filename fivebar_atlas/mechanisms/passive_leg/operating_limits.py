@@ -39,6 +39,11 @@ def operating_limits(design: PassiveLeg, mode: str, count: int) -> OperatingLimi
         Canonical label of a mode pair.
     count
         Number of angles, at least 2.
+
+    Returns
+    -------
+    OperatingLimits
+        Inputs are continuous in θ; those at the middle angle are in about (-π, π].
     """
     places = np.linspace(-design.theta_limit, design.theta_limit, count)
     least, greatest = np.full((count, 2), np.nan), np.full((count, 2), np.nan)
@@ -56,9 +61,20 @@ def operating_limits(design: PassiveLeg, mode: str, count: int) -> OperatingLimi
             if here and place < count and places[place] == theta:
                 together = np.concatenate([interval.inputs for interval in here])
                 least[place], greatest[place] = together.min(axis=0), together.max(axis=0)
+        _bring_back(least, greatest)
     return OperatingLimits(
         r"$\theta$", "angle of the passive leg", RADIANS, places, least, greatest, INPUT_SYMBOLS
     )
+
+
+def _bring_back(least: FloatArray, greatest: FloatArray) -> None:
+    """Turn the inputs by full turns, so that in the middle they are about those in (-π, π]."""
+    reached = np.flatnonzero(~np.isnan(least[:, 0]))
+    if len(reached):
+        middle = reached[len(reached) // 2]
+        turns = np.round(0.5 * (least[middle] + greatest[middle]) / (2.0 * math.pi))
+        least -= 2.0 * math.pi * turns
+        greatest -= 2.0 * math.pi * turns
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

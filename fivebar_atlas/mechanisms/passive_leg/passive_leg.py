@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
 from fivebar_atlas.level_curves import SampledField, level_regions
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.base import FloatArray, Options
 from fivebar_atlas.mechanisms.mode_pairs import (
     Signs,
     mode_label,
@@ -135,6 +135,14 @@ class PassiveLeg(PlanarDesign):
     def mechanism(self) -> str:
         """Name of the mechanism."""
         return "passive-leg"
+
+    @property
+    def options(self) -> Options:
+        """Limits of the passive leg and of the passive joints."""
+        return (
+            ("theta_limit", math.degrees(self.theta_limit)),
+            ("passive_joint_limits", self.passive_joint_limits),
+        )
 
     @property
     def unit(self) -> str:
