@@ -470,6 +470,7 @@ def test_paths_are_followed_up_to_the_first_locus_or_limit(
         gap, (nearest,) = workspace.region.boundary_distance(position[None])
         assert gap[0] < 1e-9
         assert nearest.name == curve
+        assert report.fault.kind == ("" if nearest.kind == "limit" else nearest.kind)
 
 
 def test_what_keeps_a_path_from_beginning_is_said() -> None:

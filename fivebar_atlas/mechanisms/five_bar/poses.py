@@ -28,7 +28,7 @@ from fivebar_atlas.planar_geometry import Point
 
 # A distance beyond reach that is no more than rounding (lengths sum to 3).
 _ROUNDING = 1e-12
-_INPUT_SYMBOLS = (r"$\theta_1$", r"$\theta_2$")
+_INPUT_SYMBOLS = (r"$\theta_{1}$", r"$\theta_{2}$")
 _LINKS = (
     Link("$r_3$", 0, 1, BASE),
     Link("$r_1$", 0, 2, CRANK),

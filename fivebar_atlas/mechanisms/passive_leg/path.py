@@ -22,6 +22,7 @@ from fivebar_atlas.mechanisms.mode_pairs import mode_signs
 from fivebar_atlas.mechanisms.passive_leg.loci import (
     FOLDED,
     LEVEL_LINKS,
+    LIMIT,
     PASSIVE_LEG,
     SINGULAR_PLATFORM,
     STRETCHED,
@@ -274,7 +275,8 @@ def _fault(
     curve = _CURVES[int(np.argmin(_margins(design, mode, position[None])[0]))]
     x, y = (float(each) for each in position)
     phrase = f"meets {curve.name}: {curve.reason}"
-    return PathFault(segment, share, (x, y), curve.name, curve.symbol, curve.kind, phrase)
+    kind = "" if curve.kind == LIMIT else curve.kind  # a limit is no singularity
+    return PathFault(segment, share, (x, y), curve.name, curve.symbol, kind, phrase)
 
 
 def _input_angles(
