@@ -23,6 +23,7 @@ import numpy.typing as npt
 sys.path.insert(0, str(Path(__file__).parent))
 import machines
 import numpy_grid
+import passive_leg
 
 from fivebar_atlas import FiveBar, mechanisms
 from fivebar_atlas.executors import ThreadExecutor
@@ -297,6 +298,7 @@ def main() -> None:
     bench_geometry()
     bench_start_up()
     machines.bench_machines()
+    passive_leg.bench_passive_leg()
     check_accuracy()
 
 
