@@ -19,6 +19,7 @@ from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError
 from fivebar_atlas.figures.limits_figure import limits_figure
 from fivebar_atlas.figures.plotted_data import PlottedData
+from fivebar_atlas.mechanisms.base import Options
 from fivebar_atlas.mechanisms.five_bar.five_bar import FiveBar
 from fivebar_atlas.mechanisms.five_bar.mechanism import FiveBarMechanism
 from fivebar_atlas.mechanisms.planar import RADIANS, OperatingLimits, PlanarDesign
@@ -51,7 +52,12 @@ class LimitedMechanism(FiveBarMechanism):
 
     name = "limited"
 
-    def planar_design(self, lengths: Sequence[float], unit: str | None = None) -> PlanarDesign:
+    def planar_design(
+        self,
+        lengths: Sequence[float],
+        unit: str | None = None,
+        options: Options = (),  # noqa: ARG002
+    ) -> PlanarDesign:
         """Return one design as a machine, or non-dimensional."""
         design = LimitedDesign.from_lengths(*lengths)
         if unit == "":
