@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
-from fivebar_atlas.level_curves import SampledField, level_regions
 from fivebar_atlas.mechanisms.base import (
     DEFAULT_LCI_THRESHOLDS,
     DEFAULT_TOLERANCE,
@@ -38,26 +37,26 @@ from fivebar_atlas.mechanisms.five_bar.singularity import change_point_cases
 from fivebar_atlas.mechanisms.five_bar.workspace import theoretical_area
 from fivebar_atlas.mechanisms.mode_pairs import (
     ASSEMBLY_MODES,
-    mode_label,
     mode_pairs,
     mode_signs,
 )
-from fivebar_atlas.mechanisms.planar import PathLeast, PathReport, PlanarDesign, Pose
-from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
+from fivebar_atlas.mechanisms.planar import PathLeast, PathReport, Pose
+from fivebar_atlas.mechanisms.two_legged_design import (
+    TwoLeggedDesign,
+    flat_discs,
+    flat_points,
+    in_mode,
+    two_angles,
+)
+from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point
 
 _MECHANISM = FiveBarMechanism()
 #: How far r1 + r2 + r3 may be from 3.
 _SUM_SLACK = 1e-9
-# Grid cells along a workspace from which its level curves start.
-_LEVEL_CELLS = 400
-# And how far the middle of a side may be from them.
-_LEVEL_DEVIATION = 1e-6
-# Chords of an outline leave it by no more than this where its extent is all that matters.
-_OUTLINE_DEVIATION = 1e-3
 
 
 @dataclasses.dataclass(frozen=True)
-class FiveBar(PlanarDesign):
+class FiveBar(TwoLeggedDesign):
     """A symmetric planar 5R parallel manipulator in non-dimensional form.
 
     A1 = (-r3, 0) and A2 = (r3, 0) are the base joints, r1 the actuated links A_iB_i and r2
@@ -145,16 +144,6 @@ class FiveBar(PlanarDesign):
         return _MECHANISM.name
 
     @property
-    def unit(self) -> str:
-        """Empty: points and lengths are non-dimensional."""
-        return ""
-
-    @property
-    def factor(self) -> float:
-        """1: points and lengths are non-dimensional."""
-        return 1.0
-
-    @property
     def parameters(self) -> tuple[tuple[str, float], ...]:
         """Symbol and value of r1, r2 and r3."""
         symbols = (parameter.symbol for parameter in _MECHANISM.parameters)
@@ -181,7 +170,7 @@ class FiveBar(PlanarDesign):
         self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-"
     ) -> tuple[FloatArray, FloatArray]:
         """Return the input angles θ1, θ2 in radians, in (-π, π] (Eqs. 6, 7)."""
-        flat, shape = _points(x, y)
+        flat, shape = flat_points(x, y)
         theta1, theta2 = np.empty_like(flat[0]), np.empty_like(flat[0])
         points.inverse_at(*self._lengths, *flat, *_working_mode(mode), theta1, theta2)
         return theta1.reshape(shape), theta2.reshape(shape)
@@ -193,7 +182,7 @@ class FiveBar(PlanarDesign):
 
         NaN where the linkage cannot be assembled, or P is free because B1 = B2.
         """
-        flat, shape = _points(theta1, theta2)
+        flat, shape = flat_points(theta1, theta2)
         x, y = np.empty_like(flat[0]), np.empty_like(flat[0])
         points.forward_at(*self._lengths, *flat, _assembly_mode(assembly_mode), x, y)
         return x.reshape(shape), y.reshape(shape)
@@ -202,7 +191,7 @@ class FiveBar(PlanarDesign):
         self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-"
     ) -> tuple[FloatArray, FloatArray]:
         """Return B1 and B2, each of shape (..., 2)."""
-        flat, shape = _points(x, y)
+        flat, shape = flat_points(x, y)
         out = np.empty((len(flat[0]), 4))
         points.elbows_at(*self._lengths, *flat, *_working_mode(mode), out)
         return out[:, :2].reshape(*shape, 2), out[:, 2:].reshape(*shape, 2)
@@ -211,7 +200,7 @@ class FiveBar(PlanarDesign):
         self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-"
     ) -> tuple[FloatArray, FloatArray]:
         """Return A and B of A θ' = B p' (Eqs. 15, 18, 19), each of shape (..., 2, 2)."""
-        flat, shape = _points(x, y)
+        flat, shape = flat_points(x, y)
         out = np.empty((len(flat[0]), 6))
         points.matrices_at(*self._lengths, *flat, *_working_mode(mode), out)
         a = np.zeros((len(out), 2, 2))
@@ -227,7 +216,7 @@ class FiveBar(PlanarDesign):
 
     def lci(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
         """Return the local conditioning index σ_min/σ_max of J, 2-norm; 0 if singular."""
-        flat, shape = _points(x, y)
+        flat, shape = flat_points(x, y)
         out = np.empty_like(flat[0])
         points.lci_at(*self._lengths, *flat, *_working_mode(mode), out)
         return out.reshape(shape)
@@ -246,7 +235,7 @@ class FiveBar(PlanarDesign):
         and B2 in line (second kind); a sum of both is of the third kind. 0 where regular,
         -1 where P is out of reach. ``tolerance`` bounds |sin β_i| and |sin γ|.
         """
-        flat, shape = _points(x, y)
+        flat, shape = flat_points(x, y)
         out = np.empty(len(flat[0]), dtype=np.int64)
         points.singularity_at(*self._lengths, *flat, *_working_mode(mode), tolerance, out)
         return out.reshape(shape)
@@ -285,35 +274,6 @@ class FiveBar(PlanarDesign):
             If there is no such mode pair.
         """
         return _workspace(self._lengths, mode_signs(_MECHANISM.parse_mode(mode)))
-
-    def good_condition_workspace(
-        self, lci_threshold: float = 0.5, mode: str = "+-/up"
-    ) -> tuple[Region, ...]:
-        """Return the parts of the usable workspace with at least this LCI, largest first.
-
-        Their boundaries are polylines with corners exactly on the level curve, and sides
-        that leave it by some 1e-6 (Sec. 9.2, step 1; Fig. 13). Parts smaller than 1/400 of
-        the workspace are found around isotropic points and the largest LCI; of long parts
-        thinner than that only pieces may be. Exact areas come from :meth:`evaluate`.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is no such mode pair.
-        InputError
-            If the threshold is not above 0 and below 1.
-        """
-        _MECHANISM.check_thresholds([lci_threshold], "lci_threshold")
-        workspace = self.usable_workspace(mode)
-        if workspace is None:
-            return ()
-        corners = np.concatenate(workspace.region.polygons(_OUTLINE_DEVIATION))
-        field = SampledField.over(
-            workspace.lci, corners.min(axis=0), corners.max(axis=0), _LEVEL_CELLS
-        )
-        return level_regions(
-            field, lci_threshold, "LCI", r"$1/\kappa_J$", self._peaks(mode), _LEVEL_DEVIATION
-        )
 
     def good_condition_area(
         self, lci_threshold: float = 0.5, mode: str = "+-/up"
@@ -354,13 +314,6 @@ class FiveBar(PlanarDesign):
             if circle["radius"] is not None
         )
 
-    def lci_inside(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-/up") -> FloatArray:
-        """Return the LCI at points of the usable workspace of a mode pair, 0 elsewhere."""
-        workspace = self.usable_workspace(mode)
-        if workspace is None:
-            return np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y)))
-        return workspace.lci(x, y)
-
     def inputs(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
         """Return θ1, θ2 in radians, in (-π, π], as one array of shape (..., 2)."""
         return np.stack(self.inverse_kinematics(x, y, mode), axis=-1)
@@ -392,9 +345,7 @@ class FiveBar(PlanarDesign):
             Largest differences of θ1 and θ2, in radians, between a point of the disc and its
             centre, shape (n, 2); infinite where nothing can be said.
         """
-        xs, ys, radii = (
-            np.ravel(each).astype(np.float64) for each in np.broadcast_arrays(x, y, radius)
-        )
+        xs, ys, radii = flat_discs(x, y, radius)
         least, turns = np.empty(len(xs)), np.empty((len(xs), 2))
         bounds_on_discs(*self._lengths, xs, ys, radii, *_working_mode(mode), least, turns)
         return least, turns
@@ -421,11 +372,8 @@ class FiveBar(PlanarDesign):
         InputError
             If an assembly mode is given and P belongs to the other one.
         """
-        signs = mode_pairs(mode)
-        found = pose_at(self._lengths, x, y, *signs[0][:2])
-        if len(signs) == 1 and "/" in found.mode and found.mode != mode_label(signs[0]):
-            raise InputError("P", (x, y), f"a point of {mode_label(signs[0])}; it is {found.mode}")
-        return found
+        found = pose_at(self._lengths, x, y, *mode_pairs(mode)[0][:2])
+        return in_mode(found, mode, (x, y))
 
     def inverse_poses(self, x: float, y: float) -> tuple[Pose, ...]:
         """Return the linkage with its output point at P in all four working modes (Eq. 7).
@@ -447,10 +395,7 @@ class FiveBar(PlanarDesign):
         OutOfReachError
             If the linkage cannot be assembled; the message says by how much.
         """
-        angles = tuple(float(angle) for angle in inputs)
-        if len(angles) != 2 or not np.all(np.isfinite(angles)):
-            raise InputError("inputs", angles, "two finite angles θ1 and θ2")
-        return forward_poses(self._lengths, *angles)
+        return forward_poses(self._lengths, *two_angles(inputs, "θ1 and θ2"))
 
     def check_path(self, points: npt.ArrayLike, mode: str = "+-/up") -> PathReport:
         """Tell whether a path of straight segments can be followed, exactly between its points.
@@ -558,14 +503,6 @@ def _workspace(
 ) -> UsableWorkspace | None:
     """Return a usable workspace; the last ones are kept."""
     return usable_workspace_of(lengths, signs)
-
-
-def _points(
-    x: npt.ArrayLike, y: npt.ArrayLike
-) -> tuple[tuple[FloatArray, FloatArray], tuple[int, ...]]:
-    """Return two inputs as flat arrays of one length, and their broadcast shape."""
-    wide = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
-    return (np.ravel(wide[0]).copy(), np.ravel(wide[1]).copy()), wide[0].shape
 
 
 def _working_mode(mode: str) -> tuple[float, float]:

@@ -41,7 +41,7 @@ from fivebar_atlas.mechanisms.five_bar.workspace import (
     usable_workspace,
 )
 from fivebar_atlas.mechanisms.mode_pairs import Signs
-from fivebar_atlas.mechanisms.planar import Workspace
+from fivebar_atlas.mechanisms.two_legged_design import ConditionedWorkspace
 from fivebar_atlas.numerics.records import allocate_record
 from fivebar_atlas.planar_geometry import (
     CLOSED,
@@ -64,7 +64,7 @@ _SAME, _JOINED = 1e-9, 1e-6
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class UsableWorkspace(Workspace):
+class UsableWorkspace(ConditionedWorkspace):
     """The usable workspace of one design and mode pair, in non-dimensional lengths.
 
     Attributes

@@ -62,7 +62,7 @@ from fivebar_atlas.mechanisms.passive_leg.singularity import (
     OUTER_2,
 )
 from fivebar_atlas.mechanisms.passive_leg.workspace import Runs, largest_part
-from fivebar_atlas.mechanisms.planar import Workspace
+from fivebar_atlas.mechanisms.two_legged_design import ConditionedWorkspace
 from fivebar_atlas.numerics.records import allocate_record
 from fivebar_atlas.planar_geometry import (
     CLOSED,
@@ -195,7 +195,7 @@ def mode_part(lengths: Lengths, limits: Limits, signs: Signs) -> ModePart | None
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class UsableWorkspace(Workspace):
+class UsableWorkspace(ConditionedWorkspace):
     """The usable workspace of one design and mode pair, R = 1.
 
     Attributes

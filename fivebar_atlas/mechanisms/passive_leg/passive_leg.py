@@ -11,11 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.level_curves import SampledField, level_regions
 from fivebar_atlas.mechanisms.base import FloatArray, Options
 from fivebar_atlas.mechanisms.mode_pairs import (
     Signs,
-    mode_label,
     mode_pairs,
     mode_signs,
     parse_mode_pair,
@@ -39,14 +37,18 @@ from fivebar_atlas.mechanisms.planar import (
     OperatingLimits,
     PathLeast,
     PathReport,
-    PlanarDesign,
     Pose,
 )
-from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
+from fivebar_atlas.mechanisms.two_legged_design import (
+    TwoLeggedDesign,
+    check_threshold,
+    flat_discs,
+    flat_points,
+    in_mode,
+    two_angles,
+)
+from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point
 
-# Grid cells along a workspace from which its level curves start, how far the middle of a side may
-# be from them, and chords of an outline where only its extent matters.
-_LEVEL_CELLS, _LEVEL_DEVIATION, _OUTLINE_DEVIATION = 400, 1e-6, 1e-3
 # Tolerance of the largest LCI's surroundings and of areas.
 _TOLERANCE = 1e-6
 # How far l_a may be from l_b - R + r for the architecture singularity at O.
@@ -54,7 +56,7 @@ _SAME = 1e-9
 
 
 @dataclasses.dataclass(frozen=True)
-class PassiveLeg(PlanarDesign):
+class PassiveLeg(TwoLeggedDesign):
     """A 2-DOF planar manipulator with two RRR legs and a passive RP leg, R = 1.
 
     B_1 = (1, 0) and B_2 = (-1, 0) are the actuated base joints, l_a the lower links B_i d_i and l_b
@@ -145,16 +147,6 @@ class PassiveLeg(PlanarDesign):
         )
 
     @property
-    def unit(self) -> str:
-        """Empty: points and lengths are in units of R."""
-        return ""
-
-    @property
-    def factor(self) -> float:
-        """1: points and lengths are non-dimensional."""
-        return 1.0
-
-    @property
     def parameters(self) -> tuple[tuple[str, float], ...]:
         """Symbol and value of R, r, l_a and l_b."""
         return tuple(zip(("$R$", "$r$", "$l_a$", "$l_b$"), self._lengths, strict=True))
@@ -209,33 +201,10 @@ class PassiveLeg(PlanarDesign):
         """
         return _workspace(self._lengths, self._limits, mode_signs(parse_mode_pair(mode)))
 
-    def good_condition_workspace(
-        self, lci_threshold: float = 0.5, mode: str = "+-/up"
-    ) -> tuple[Region, ...]:
-        """Return the parts of the usable workspace with at least this LCI, largest first.
-
-        Their boundaries are polylines with corners exactly on the level curve, or on a limit, and
-        sides that leave it by some 1e-6. Of parts thinner than 1/400 of the workspace only pieces
-        may be found.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is no such mode pair.
-        InputError
-            If the threshold is not above 0 and below 1.
-        """
-        _check_threshold(lci_threshold)
-        workspace = self.usable_workspace(mode)
-        if workspace is None:
-            return ()
-        corners = np.concatenate(workspace.region.polygons(_OUTLINE_DEVIATION))
-        field = SampledField.over(
-            workspace.lci, corners.min(axis=0), corners.max(axis=0), _LEVEL_CELLS
-        )
+    def _peaks(self, mode: str) -> tuple[Point, ...]:
+        """Return where the LCI is largest."""
         largest = self.largest_lci(mode)
-        peaks = () if largest is None else (largest[1],)
-        return level_regions(field, lci_threshold, "LCI", r"$1/\kappa_J$", peaks, _LEVEL_DEVIATION)
+        return () if largest is None else (largest[1],)
 
     def good_condition_area(
         self, lci_threshold: float = 0.5, mode: str = "+-/up"
@@ -249,7 +218,7 @@ class PassiveLeg(PlanarDesign):
         InputError
             If the threshold is not above 0 and below 1.
         """
-        _check_threshold(lci_threshold)
+        check_threshold(lci_threshold)
         values = self._evaluated(mode, np.array([lci_threshold]))
         area = float(values["good_condition_workspace_area"][0, 0, 0])
         return area, float(values["good_condition_workspace_area_error"][0, 0, 0])
@@ -273,42 +242,35 @@ class PassiveLeg(PlanarDesign):
 
     def lci(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
         """Return the local conditioning index σ_min/σ_max of J, 2-norm; 0 if singular."""
-        flat, shape = _points(x, y)
+        flat, shape = flat_points(x, y)
         out = np.empty(len(flat[0]))
         points.lci_at(*self._lengths, self.theta_limit, *flat, *_elbows(mode), out)
         return out.reshape(shape)
 
-    def lci_inside(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-/up") -> FloatArray:
-        """Return the LCI at points of the usable workspace of a mode pair, 0 elsewhere."""
-        workspace = self.usable_workspace(mode)
-        if workspace is None:
-            return np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y)))
-        return workspace.lci(x, y)
-
     def inputs(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
         """Return φ1, φ2 in radians, in (-π, π], as one array of shape (..., 2) (Eq. 6)."""
-        flat, shape = _points(x, y)
+        flat, shape = flat_points(x, y)
         out = np.empty((len(flat[0]), 2))
         points.inputs_at(*self._lengths, self.theta_limit, *flat, *_elbows(mode), out)
         return out.reshape(*shape, 2)
 
     def upper_links(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
         """Return p1, q1, p2, q2, the upper links in the axes of the platform, shape (..., 4)."""
-        flat, shape = _points(x, y)
+        flat, shape = flat_points(x, y)
         out = np.empty((len(flat[0]), 4))
         points.upper_links_at(*self._lengths, self.theta_limit, *flat, *_elbows(mode), out)
         return out.reshape(*shape, 4)
 
     def joint_positions(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
         """Return B1, B2, O, d1, d2, b1 and b2 as one array of shape (..., 7, 2)."""
-        flat, shape = _points(x, y)
+        flat, shape = flat_points(x, y)
         out = np.empty((len(flat[0]), 7, 2))
         points.joints_at(*self._lengths, self.theta_limit, *flat, *_elbows(mode), out)
         return out.reshape(*shape, 7, 2)
 
     def jacobian(self, x: npt.ArrayLike, y: npt.ArrayLike, mode: str = "+-") -> FloatArray:
         """Return J of φ' = J C' (Eq. 21), shape (..., 2, 2); infinite where a leg is straight."""
-        flat, shape = _points(x, y)
+        flat, shape = flat_points(x, y)
         out = np.empty((len(flat[0]), 2, 2))
         points.jacobian_at(*self._lengths, self.theta_limit, *flat, *_elbows(mode), out)
         return out.reshape(*shape, 2, 2)
@@ -334,9 +296,7 @@ class PassiveLeg(PlanarDesign):
             Largest differences of φ1 and φ2, in radians, between a point of the disc and its
             centre, shape (n, 2); infinite where nothing can be said.
         """
-        xs, ys, radii = (
-            np.ravel(each).astype(np.float64) for each in np.broadcast_arrays(x, y, radius)
-        )
+        xs, ys, radii = flat_discs(x, y, radius)
         least, turns = np.empty(len(xs)), np.empty((len(xs), 2))
         bounds_on_discs(
             *self._lengths, self.theta_limit, self.passive_joint_limits, xs, ys, radii,
@@ -408,11 +368,8 @@ class PassiveLeg(PlanarDesign):
             If the passive leg has no length or is beyond its limit, or an assembly mode is given
             and the pose belongs to the other one.
         """
-        signs = mode_pairs(mode)
-        found = pose_at(self._lengths, self.theta_limit, x, y, *signs[0][:2])
-        if len(signs) == 1 and "/" in found.mode and found.mode != mode_label(signs[0]):
-            raise InputError("P", (x, y), f"a point of {mode_label(signs[0])}; it is {found.mode}")
-        return found
+        found = pose_at(self._lengths, self.theta_limit, x, y, *mode_pairs(mode)[0][:2])
+        return in_mode(found, mode, (x, y))
 
     def inverse_poses(self, x: float, y: float) -> tuple[Pose, ...]:
         """Return the linkage with C at a point in all four working modes (Eq. 6).
@@ -438,10 +395,7 @@ class PassiveLeg(PlanarDesign):
         OutOfReachError
             If the elbows are too far apart; the message says by how much.
         """
-        angles = tuple(float(angle) for angle in inputs)
-        if len(angles) != 2 or not np.all(np.isfinite(angles)):
-            raise InputError("inputs", angles, "two finite angles φ1 and φ2")
-        return forward_poses(self._lengths, self.theta_limit, *angles)
+        return forward_poses(self._lengths, self.theta_limit, *two_angles(inputs, "φ1 and φ2"))
 
     def check_path(self, points: npt.ArrayLike, mode: str = "+-/up") -> PathReport:
         """Tell whether a path of straight segments can be followed, exactly between its points.
@@ -512,21 +466,7 @@ def _workspace(lengths: Lengths, limits: Limits, signs: Signs) -> UsableWorkspac
     return usable_workspace_of(lengths, limits, signs)
 
 
-def _points(
-    x: npt.ArrayLike, y: npt.ArrayLike
-) -> tuple[tuple[FloatArray, FloatArray], tuple[int, ...]]:
-    """Return two inputs as flat arrays of one length, and their broadcast shape."""
-    wide = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
-    return (np.ravel(wide[0]).copy(), np.ravel(wide[1]).copy()), wide[0].shape
-
-
 def _elbows(mode: str) -> tuple[float, float]:
     """Return the elbows of a working mode, given alone or as part of a mode pair."""
     s1, s2, _ = mode_pairs(mode)[0]
     return -float(s1), -float(s2)
-
-
-def _check_threshold(threshold: float) -> None:
-    """Raise InputError unless a threshold of the LCI is above 0 and below 1."""
-    if not 0.0 < threshold < 1.0:
-        raise InputError("lci_threshold", threshold, "a number above 0 and below 1")
