@@ -239,17 +239,20 @@ class Cells(NamedTuple):
     """Centres of cells in length and angle, and their sizes."""
 
     length: Array  # shape (n, 1)
-    theta: Array  # shape (n,)
+    theta: Array  # shape (2 n,)
     planar: Array  # l dl dθ, shape (n, 1)
     flat: float  # dl dθ
 
 
 def cells_of(m: Machine, limit: float, n: int) -> Cells:
-    """Cells, n each way, of the box around the reachable workspace."""
+    """Cells, n lengths by 2 n angles, of the box around the reachable workspace.
+
+    With as many angles as lengths, parts that touch in a point at l = 0 may look like one.
+    """
     # no pose has l + abs(sin θ) > l_a + l_b
-    step, turn = (m.l_a + m.l_b) / n, 2.0 * limit / n
+    step, turn = (m.l_a + m.l_b) / n, limit / n
     length = (step * (np.arange(n) + 0.5))[:, None]
-    theta = turn * (np.arange(n) + 0.5 - 0.5 * n)
+    theta = turn * (np.arange(2 * n) + 0.5 - n)
     return Cells(length, theta, length * step * turn, step * turn)
 
 
@@ -352,7 +355,7 @@ def grid_indices(
     thresholds : sequence of float
         LCI thresholds of the good-condition workspace.
     n : int
-        Cells each way.
+        Lengths; there are twice as many angles.
 
     Returns
     -------
