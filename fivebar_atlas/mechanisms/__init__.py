@@ -49,7 +49,8 @@ def unknown_name(
     """
     others = {each: get(each).kind_of(value) for each in names() if each != mechanism.name}
     owners = {each: kind for each, kind in others.items() if kind}
-    if not owners:
+    # what is known here, too, is only not what was asked for
+    if not owners or mechanism.kind_of(value):
         return UnknownNameError(name, value, known)
     kind = next(iter(owners.values()))
     alike = [each for each, other in owners.items() if other == kind]
