@@ -5,6 +5,8 @@ The public Python interface:
 :class:`FiveBar`
     One symmetric five-bar manipulator: positions, Jacobian matrices and LCI at points, and
     its workspaces and conditioning indices for any mode pair, its loci and outlines as arcs.
+:class:`PassiveLeg`
+    One manipulator with a passive leg, the same for it.
 :func:`planar_design`
     One design in the unit of its machine, as figures and files of its geometry take it.
 :func:`open_atlas`
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
     )
     from fivebar_atlas.mechanisms import planar_design
     from fivebar_atlas.mechanisms.five_bar.five_bar import FiveBar
+    from fivebar_atlas.mechanisms.passive_leg.passive_leg import PassiveLeg
     from fivebar_atlas.store import open_atlas
 
 __version__ = "0.1.0"
@@ -46,6 +49,7 @@ __all__ = [
     "InfeasibleSizeError",
     "InputError",
     "OutOfReachError",
+    "PassiveLeg",
     "UnknownNameError",
     "__version__",
     "open_atlas",
@@ -62,6 +66,7 @@ _MODULES = {
     "InfeasibleSizeError": "fivebar_atlas.errors",
     "InputError": "fivebar_atlas.errors",
     "OutOfReachError": "fivebar_atlas.errors",
+    "PassiveLeg": "fivebar_atlas.mechanisms.passive_leg.passive_leg",
     "UnknownNameError": "fivebar_atlas.errors",
     "open_atlas": "fivebar_atlas.store",
     "planar_design": "fivebar_atlas.mechanisms",

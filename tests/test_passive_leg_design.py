@@ -20,7 +20,7 @@ from fivebar_atlas.mechanisms.mode_pairs import MODE_PAIRS
 from fivebar_atlas.mechanisms.passive_leg.forward_arc import ForwardArc
 from fivebar_atlas.mechanisms.passive_leg.passive_leg import PassiveLeg
 from fivebar_atlas.mechanisms.passive_leg.reach_arc import ReachArc, ReachCurve
-from fivebar_atlas.mechanisms.planar import PASSIVE_LEG, PLATFORM
+from fivebar_atlas.mechanisms.planar import PLATFORM, TELESCOPE
 from fivebar_atlas.planar_geometry import LEFT, RIGHT
 
 Array = np.ndarray
@@ -548,7 +548,7 @@ def test_the_passive_leg_is_drawn_in_a_sleeve_and_the_platform_as_a_bar() -> Non
     pose = design.pose(0.3, 1.2, "+-/up")
     figure = linkage_figure(design, [pose])
     lines = {line.get_gid(): line for line in figure.axes[0].lines}
-    (leg,) = (k for k, link in enumerate(pose.links, start=1) if link.kind == PASSIVE_LEG)
+    (leg,) = (k for k, link in enumerate(pose.links, start=1) if link.kind == TELESCOPE)
     sleeve, rod = lines[f"sleeve-{leg}"], lines[f"link-{leg}"]
     assert pytest.approx(np.array([(0.0, 0.0), (0.3, 1.2)])) == np.array(rod.get_data()).T
     x, y = sleeve.get_data()

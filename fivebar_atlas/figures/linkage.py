@@ -30,8 +30,8 @@ from fivebar_atlas.mechanisms.planar import (
     CRANK,
     OUTPUT,
     PASSIVE,
-    PASSIVE_LEG,
     PLATFORM,
+    TELESCOPE,
     Link,
     PlanarDesign,
     Pose,
@@ -146,7 +146,7 @@ def draw_linkage(
         )
         if data is not None:
             data.add("link", points, plain(link.symbol), link.kind)
-        if link.kind == PASSIVE_LEG:
+        if link.kind == TELESCOPE:
             sleeves.append((number - 1, *_draw_sleeve(frame, pose, number, look)))
     joints = []
     for number, joint in enumerate(pose.joints, start=1):

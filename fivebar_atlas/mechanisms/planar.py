@@ -22,7 +22,7 @@ RADIANS = "rad"
 #: What a link is: the fixed base, driven by an actuator, driven by other links, the platform that
 #: carries the output point, or a leg of variable length that nothing drives.
 BASE, CRANK, DISTAL = "base", "crank", "distal"
-PLATFORM, PASSIVE_LEG = "platform", "passive leg"
+PLATFORM, TELESCOPE = "platform", "telescope"
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ class Link:
     start, end
         The joints at its ends, as places in the pose's joints.
     kind
-        ``BASE``, ``CRANK``, ``DISTAL``, ``PLATFORM`` or ``PASSIVE_LEG``.
+        ``BASE``, ``CRANK``, ``DISTAL``, ``PLATFORM`` or ``TELESCOPE``.
     """
 
     symbol: str

@@ -86,7 +86,7 @@ class PassiveLeg(TwoLeggedDesign):
 
     Examples
     --------
-    >>> from fivebar_atlas.mechanisms.passive_leg.passive_leg import PassiveLeg
+    >>> from fivebar_atlas import PassiveLeg
     >>> robot = PassiveLeg(1.2, 1.2, 1.0)
     >>> round(robot.usable_workspace("+-/up").area, 6)
     3.461586

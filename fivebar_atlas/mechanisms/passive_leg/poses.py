@@ -24,8 +24,8 @@ from fivebar_atlas.mechanisms.planar import (
     DISTAL,
     OUTPUT,
     PASSIVE,
-    PASSIVE_LEG,
     PLATFORM,
+    TELESCOPE,
     Joint,
     Link,
     Pose,
@@ -40,7 +40,7 @@ _ROUNDING = 1e-12
 _LINKS = (
     Link("$R$", 2, 0, BASE),
     Link("", 2, 1, BASE),
-    Link("$l_c$", 2, 7, PASSIVE_LEG),
+    Link("$l_c$", 2, 7, TELESCOPE),
     Link("$r$", 7, 5, PLATFORM),
     Link("", 7, 6, PLATFORM),
     Link("$l_a$", 0, 3, CRANK),
