@@ -87,9 +87,9 @@ class PassiveLeg(TwoLeggedDesign):
     Examples
     --------
     >>> from fivebar_atlas import PassiveLeg
-    >>> robot = PassiveLeg(1.2, 1.2, 1.0)
+    >>> robot = PassiveLeg(1.2, 1.4, 1.2)
     >>> round(robot.usable_workspace("+-/up").area, 6)
-    3.461586
+    5.784829
     """
 
     r: float
