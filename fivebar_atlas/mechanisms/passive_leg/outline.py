@@ -424,7 +424,7 @@ def _chains(part: ModePart, plane_runs: list[_Run]) -> list[list[_Edge]]:
 
 
 def _arc_of(part: ModePart, edge: _Edge) -> NamedArc | None:
-    """Return the arc of an edge; None for one that is a point."""
+    """Return the arc of an edge; None where there is no angle or length between its ends."""
     if edge.kind == NO_LENGTH:
         return None
     kind = _MIRRORED.get(edge.kind, edge.kind) if edge.turn < 0.0 else edge.kind
@@ -435,9 +435,7 @@ def _arc_of(part: ModePart, edge: _Edge) -> NamedArc | None:
     else:
         arc = _reach_arc(part, edge, kind)
     curve: Curve = _CURVES[kind]
-    if arc is None or np.ptp(arc.polyline(math.inf), axis=0).max() < _SHORTEST:
-        return None
-    return NamedArc(curve.name, curve.symbol, curve.kind, arc)
+    return None if arc is None else NamedArc(curve.name, curve.symbol, curve.kind, arc)
 
 
 def _point(pose: tuple[float, float]) -> Point:
@@ -497,7 +495,7 @@ def _column_ends(part: ModePart, edge: _Edge, theta: FloatArray) -> FloatArray:
 
 
 def _smooth(arcs: Sequence[NamedArc | None]) -> list[NamedArc]:
-    """Make neighbouring arcs of one curve one arc; leave out points."""
+    """Make neighbouring arcs of one curve one arc; leave out what is a point even then."""
     joined: list[NamedArc] = []
     for each in arcs:
         if each is None:
@@ -511,7 +509,11 @@ def _smooth(arcs: Sequence[NamedArc | None]) -> list[NamedArc]:
         together = _joined(joined[-1].arc, joined[0].arc)
         if together is not None:
             joined[0] = dataclasses.replace(joined.pop(), arc=together)
-    return joined
+    return [each for each in joined if not _is_point(each.arc)]
+
+
+def _is_point(arc: Arc) -> bool:
+    return bool(np.ptp(arc.polyline(math.inf), axis=0).max() < _SHORTEST)
 
 
 def _joined(one: Arc, two: Arc) -> Arc | None:
