@@ -574,3 +574,19 @@ def test_the_passive_leg_is_drawn_in_a_sleeve_and_the_platform_as_a_bar() -> Non
     written = [text.get_text() for text in figure.findobj(match=lambda a: hasattr(a, "get_text"))]
     assert any(r"$\phi_1$ = " in text for text in written)
     assert written.count("$O$") == 1
+
+
+@pytest.mark.parametrize("place", [(0.0, 1.2), (0.3, 1.2), (0.9, 0.1)])
+def test_the_name_of_the_passive_leg_is_beside_its_sleeve(place: tuple[float, float]) -> None:
+    figure = linkage_figure(DESIGNS[0], [DESIGNS[0].pose(*place, "+-/up")])
+    texts = (text for axes in figure.axes for text in axes.texts)
+    (name,) = (text for text in texts if text.get_text() == "$l_c$")
+    lines = (line for axes in figure.axes for line in axes.lines)
+    (sleeve,) = (line for line in lines if str(line.get_gid()).startswith("sleeve"))
+    start, end = sleeve.get_transform().transform(np.transpose(sleeve.get_data()))
+    along = (end - start) / np.hypot(*(end - start))
+    corners = name.get_window_extent().corners() - start
+    across = np.abs(corners @ np.array([-along[1], along[0]]))
+    half = 0.5 * sleeve.get_linewidth() * figure.dpi / 72.0
+    is_beyond = corners @ along > np.hypot(*(end - start))
+    assert across.min() > half or is_beyond.all()
