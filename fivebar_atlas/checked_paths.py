@@ -23,7 +23,7 @@ from fivebar_atlas.errors import InfeasiblePathError
 from fivebar_atlas.mechanisms.base import FloatArray, plain
 from fivebar_atlas.mechanisms.planar import PathFault, PathLeast, PathReport, PlanarDesign
 from fivebar_atlas.output_file import atomic_output
-from fivebar_atlas.planar_geometry import Region
+from fivebar_atlas.planar_geometry import LIMIT, Region
 
 
 @dataclasses.dataclass(frozen=True)
@@ -205,7 +205,7 @@ class CheckedPath:
         """Return a fault in words."""
         x, y = fault.position
         place = f"({x:.9g}, {y:.9g}) {self.design.unit}".rstrip()
-        kind = f" (singularity: {fault.kind})" if fault.kind else ""
+        kind = f" (singularity: {fault.kind})" if fault.kind not in ("", LIMIT) else ""
         where = f" {self._whereabouts(fault)}," if numbered else ""
         return f"not feasible{where} at {place}: {fault.reason}{kind}"
 

@@ -21,6 +21,8 @@ from fivebar_atlas.errors import InputError
 FloatArray = npt.NDArray[np.float64]
 Point = tuple[float, float]
 
+#: Kind of a curve on which nothing is singular: there a limit is met.
+LIMIT = "limit"
 #: Which side of an arc, seen along it, something lies on.
 LEFT, RIGHT, BOTH = "left", "right", "both"
 #: What there is at the end of an arc: another arc goes on in the same direction, in the
@@ -404,7 +406,7 @@ class NamedArc:
     symbol
         The field's notation as mathtext, ``"$C_{1o}$"``.
     kind
-        What happens on it, ``"serial"``, ``"parallel, folded"``.
+        What happens on it, ``"serial"``, ``"parallel, folded"`` or ``LIMIT``.
     arc
         The arc itself.
     ends

@@ -54,6 +54,7 @@ class SlicedMechanism(Mechanism):
     quantities = (Quantity("stretch", "$s$", "1", "stretch", (DESIGN, MODE), length_power=1),)
     modes = ("only",)
     spaces = ("b=0.5",)
+    slices = ("a=VALUE", "b=VALUE", "c=VALUE")
     resolution_range = (1, 1000)
     options = (
         SweepOption("gain", "deg", "how much all is stretched", 1.0, 0.5, 8.0),
@@ -70,7 +71,7 @@ class SlicedMechanism(Mechanism):
         """Return ``"b=0.25"`` for ``"b=.250"``."""
         found = _SLICE.fullmatch(text)
         if found is None or not float(found[2]) <= 1.0:
-            raise UnknownNameError(name, text, ("a=VALUE", "b=VALUE", "c=VALUE"))
+            raise UnknownNameError(name, text, self.slices)
         return f"{found[1]}={float(found[2])!r}"
 
     def proportions_of(self, parameters: FloatArray) -> FloatArray:

@@ -382,6 +382,19 @@ def test_the_usable_workspace_is_that_of_the_oracle(
     assert values == pytest.approx(np.where(inside, lci, 0.0), abs=1e-10)
 
 
+def test_boundaries_are_of_arcs_that_end_where_something_changes() -> None:
+    design = PassiveLeg(0.9, 1.1, 1.2)  # next to O no column tells its folded legs from O
+    workspace = design.usable_workspace("+-/up")
+    assert workspace is not None
+    names = [arc.name for arc in workspace.region.outline.arcs]
+    right = ["C_x", "theta_max", "C_2o"]
+    assert sorted(names) == sorted([*right, "C_1o", "theta_max", "C_x", "C_2i", "C_1i"])
+    ends = np.array([end for arc in design.singular_loci() for end in (arc.arc.start, arc.arc.end)])
+    away = np.hypot(*ends.T)
+    assert np.count_nonzero(away == 0.0) == 4  # of C_1i, C_2i and twice of C_x
+    assert away[away > 0.0].min() > 0.1
+
+
 def test_mirror_images_of_mode_pairs_have_mirrored_workspaces() -> None:
     design = PassiveLeg(0.7, 1.6, 1.5)
     for mode, image in (("++/up", "--/up"), ("++/down", "--/down"), ("+-/up", "+-/up")):
@@ -476,7 +489,7 @@ def test_paths_are_followed_up_to_the_first_locus_or_limit(
 def test_what_keeps_a_path_from_beginning_is_said() -> None:
     design = DESIGNS[1]
     for point, text in (
-        ((0.0, 5.0), "P is out of reach of leg 1, by 2.804 "),
+        ((0.0, 5.0), "C is out of reach of leg 1, by 2.804 "),
         ((0.2, 0.4), "b1 too near to B1"),
         ((1.0, -0.2), "the passive leg is beyond its limit"),
     ):
@@ -562,3 +575,19 @@ def test_the_passive_leg_is_drawn_in_a_sleeve_and_the_platform_as_a_bar() -> Non
     written = [text.get_text() for text in figure.findobj(match=lambda a: hasattr(a, "get_text"))]
     assert any(r"$\phi_1$ = " in text for text in written)
     assert written.count("$O$") == 1
+
+
+@pytest.mark.parametrize("place", [(0.0, 1.2), (0.3, 1.2), (0.9, 0.1)])
+def test_the_name_of_the_passive_leg_is_beside_its_sleeve(place: tuple[float, float]) -> None:
+    figure = linkage_figure(DESIGNS[0], [DESIGNS[0].pose(*place, "+-/up")])
+    texts = (text for axes in figure.axes for text in axes.texts)
+    (name,) = (text for text in texts if text.get_text() == "$l_c$")
+    lines = (line for axes in figure.axes for line in axes.lines)
+    (sleeve,) = (line for line in lines if str(line.get_gid()).startswith("sleeve"))
+    start, end = sleeve.get_transform().transform(np.transpose(sleeve.get_data()))
+    along = (end - start) / np.hypot(*(end - start))
+    corners = name.get_window_extent().corners() - start
+    across = np.abs(corners @ np.array([-along[1], along[0]]))
+    half = 0.5 * sleeve.get_linewidth() * figure.dpi / 72.0
+    is_beyond = corners @ along > np.hypot(*(end - start))
+    assert across.min() > half or is_beyond.all()

@@ -19,7 +19,7 @@ from fivebar_atlas.errors import InfeasibleSizeError
 from fivebar_atlas.mechanisms.mode_pairs import mode_label
 from fivebar_atlas.synthesis.containment import INSIDE, GoodCondition
 from fivebar_atlas.synthesis.placement import FREE, ON_AXIS, Fit, fit_shape
-from fivebar_atlas.synthesis.scale_search import ALLOWANCE
+from fivebar_atlas.synthesis.scale_search import ALLOWANCE, contacts_of
 from fivebar_atlas.synthesis.shapes import Shape
 
 Array = npt.NDArray[np.float64]
@@ -242,6 +242,15 @@ def test_a_rectangle_in_a_ring_touches_both_circles(placement: str) -> None:
     # (150 s)² + (INNER + 200 s)² = OUTER²: upper corners and the middle of the lower side
     roots = np.roots([150.0**2 + 200.0**2, 400.0 * INNER, INNER**2 - OUTER**2])
     assert fit.factor * float(roots.max()) == pytest.approx(1.0 + fit.allowance, rel=1e-12)
+    assert len(fit.contacts) == 3  # each once
+
+
+def test_a_contact_that_is_found_twice_is_one() -> None:
+    points = np.array([[50.0, 30.0], [1e-7, -30.0], [-1e-7, -30.0], [0.0, 30.0], [-50.0, 30.0]])
+    values = np.array([0.0, 0.0, 0.0, 1.0, 0.0])
+    assert contacts_of(points, values).tolist() in (
+        [[x, -30.0], [-50.0, 30.0], [50.0, 30.0]] for x in (1e-7, -1e-7)
+    )
 
 
 def test_a_shape_around_the_hole_of_a_ring_is_not_taken_for_one_in_it() -> None:

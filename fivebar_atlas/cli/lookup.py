@@ -38,6 +38,8 @@ def lookup(lengths: list[float], file: str, as_json: bool) -> None:
         if as_json:
             click.echo(json.dumps(found.document(), indent=2, allow_nan=False))
         else:
+            if options_text := atlas.mechanism.options_text(atlas.settings.options):
+                click.echo(f"{options_text}\n")
             click.echo("\n".join(_table(found)))
 
 

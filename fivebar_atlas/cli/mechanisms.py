@@ -44,6 +44,7 @@ def _document(mechanism: Mechanism) -> dict[str, Any]:
         "parameters": {each.name: each.long_name for each in mechanism.parameters},
         "design": mechanism.design_phrase,
         "spaces": list(mechanism.spaces),
+        "slices": list(mechanism.slices),
         "modes": list(mechanism.modes),
         "resolution_range": [least, greatest],
         "tolerance_range": [tightest, loosest],
@@ -84,7 +85,7 @@ def _details(document: dict[str, Any]) -> Iterator[str]:
     scaled = f", {document['design']}" if document["design"] else ""
     yield f"{'parameters':{_WIDTH}}{' '.join(document['parameters'])}{scaled}"
     yield from _table(document["parameters"])
-    yield f"{'design spaces':{_WIDTH}}{', '.join(document['spaces'])}"
+    yield f"{'design spaces':{_WIDTH}}{', '.join(document['spaces'] + document['slices'])}"
     yield f"{'mode pairs':{_WIDTH}}{', '.join(document['modes'])}"
     for label, key in (("resolution", "resolution_range"), ("tolerance", "tolerance_range")):
         least, greatest = document[key]

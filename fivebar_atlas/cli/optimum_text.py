@@ -194,8 +194,10 @@ class OptimumText:
         return name
 
     def _choices(self) -> Iterator[Row]:
-        """Yield mode pair, threshold and conditions."""
-        document = self.document
+        """Yield options, mode pair, threshold and conditions."""
+        document, atlas = self.document, self.study.atlas
+        if options := atlas.mechanism.options_text(atlas.settings.options):
+            yield Row("options", options)
         for label, key in (("mode pair", "mode"), ("LCI threshold", "lci_threshold")):
             if document[key] is not None:
                 yield Row(label, str(document[key]))

@@ -138,7 +138,7 @@ lci_option = click.option(
     help="LCI threshold of the good-condition workspace, above 0 and below 1; repeatable.",
 )
 tolerance_option = click.option(
-    "--tolerance", type=float, metavar="VALUE", help="Relative tolerance, 1e-10 to 1e-3."
+    "--tolerance", type=float, metavar="VALUE", help="Relative tolerance; 1e-6 if not given."
 )
 #: Options of the mechanism, for ``options_of``.
 set_option = click.option(

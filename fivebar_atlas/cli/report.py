@@ -56,7 +56,7 @@ class _Reported(click.Command):
 
 @click.group(cls=_Reports)
 def report() -> None:
-    r"""Write a run of another command as one HTML page.
+    """Write a run of another command as one HTML page.
 
     The page has what was asked for, the figures, the numbers with their errors, and the
     versions that made them. It is one file that needs no network: for a screen or a phone, for
@@ -67,7 +67,7 @@ def report() -> None:
       atlas report size 26 30 16 --rectangle 300x200 -o machine.html
       atlas report evaluate 26 30 16 --mode all -o design.html
       atlas report optimum paper.h5 --where 'gci>=0.62' -o region.html
-    """
+    """  # noqa: D301 - click reads the character
 
 
 @functools.cache

@@ -204,6 +204,7 @@ def region_figure(
     parts = ["Optimum region", _mode_part(atlas, mode)]
     if any(THRESHOLD in array.quantity.dimensions for array in bounded):
         parts.append(_threshold_part(atlas, lci))
+    parts += _option_parts(atlas)
     return region_map(
         charted_designs(atlas),
         layers[0],
@@ -264,7 +265,8 @@ def front_figure(
         If the file is damaged.
     """
     texts = [condition_text(atlas, *condition) for condition in conditions]
-    title = ", ".join(["Pareto front", *_chosen_parts(atlas, names, mode, lci)])
+    parts = ["Pareto front", *_chosen_parts(atlas, names, mode, lci), *_option_parts(atlas)]
+    title = ", ".join(parts)
     if in_design_space:
         first, second = (_symbol(atlas, name) for name in names)
         return pareto_designs_figure(
@@ -272,7 +274,9 @@ def front_figure(
         )
     values = np.array([atlas.select(name, mode, lci) for name in names])
     labels = (_label(atlas, names[0]), _label(atlas, names[1]))
-    return pareto_figure(values, fulfilled, front, labels, texts, title, width=width)
+    fixed = charted_designs(atlas).chart.fixed
+    whole = ", ".join([title, fixed] if fixed else [title])
+    return pareto_figure(values, fulfilled, front, labels, texts, whole, width=width)
 
 
 def _chosen_parts(
@@ -322,7 +326,7 @@ def stored_array(atlas: Atlas, name: str) -> ResultArray:
 
 
 def title_of(atlas: Atlas, array: ResultArray, mode: str | None, lci: float | None) -> str:
-    """Return the title of a map: what it shows, for which mode pair and threshold."""
+    """Return the title of a map: what it shows, for which mode pair, threshold and options."""
     text = array.quantity.long_name
     if array.is_error:
         text = f"error of the {text}"
@@ -333,7 +337,7 @@ def title_of(atlas: Atlas, array: ResultArray, mode: str | None, lci: float | No
         parts.append(_mode_part(atlas, mode))
     if THRESHOLD in array.quantity.dimensions:
         parts.append(_threshold_part(atlas, lci))
-    return ", ".join(parts)
+    return ", ".join([*parts, *_option_parts(atlas)])
 
 
 def label_of(array: ResultArray) -> str:
@@ -417,6 +421,12 @@ def _status(atlas: Atlas, quantity: Quantity, mode: str | None) -> tuple[Flags, 
 def _mode_part(atlas: Atlas, mode: str | None) -> str:
     label = atlas.modes[0] if mode is None else atlas.mechanism.parse_mode(mode)
     return "mode\N{NO-BREAK SPACE}" + label.replace("-", _MINUS)
+
+
+def _option_parts(atlas: Atlas) -> list[str]:
+    """Return the options that differ from what a sweep has where nothing is said."""
+    text = atlas.mechanism.options_text(atlas.settings.options, but_defaults=True)
+    return [text] if text else []
 
 
 def _threshold_part(atlas: Atlas, lci: float | None) -> str:

@@ -72,7 +72,8 @@ def chart_frame(
     chart
         How the design space is drawn.
     title
-        Title; broken into lines where it is wider than the figure.
+        Title; what is fixed in the design space is added to it. Broken into lines where it is
+        wider than the figure.
     width
         Width of the figure in millimetres.
     below
@@ -105,7 +106,8 @@ def chart_frame(
         scale = (width - 2 * _PADDING - overhang) / (upper[0] - lower[0])
     labels = _axis_labels(chart, upright, scale)
     left, low, right, high = _bounds(shape, labels, scale)
-    lines = wrapped(title, style.TITLE_SIZE, width - 2 * _PADDING)
+    whole = ", ".join(part for part in (title, chart.fixed) if part)
+    lines = wrapped(whole, style.TITLE_SIZE, width - 2 * _PADDING)
     height = (high - low) + below + _PADDING + _LINE * len(lines) + _PADDING
 
     figure = Figure(figsize=(width / style.MM_PER_INCH, height / style.MM_PER_INCH))

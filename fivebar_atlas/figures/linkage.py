@@ -194,6 +194,24 @@ def _sleeve_points(pose: Pose, link: Link, length: float) -> FloatArray:
     return np.array([start, start + share * (end - start)])
 
 
+def _sleeve_sides(
+    frame: PlaneFrame, pose: Pose, link: Link, look: LinkageLook
+) -> tuple[FloatArray, ...]:
+    """Return both sides of the sleeve of a link on paper; none where there is no sleeve."""
+    if link.kind != PASSIVE_LEG:
+        return ()
+    ends = frame.scale * _sleeve_points(pose, link, look.ground * _SLEEVE / frame.scale)
+    dx, dy = ends[1] - ends[0]
+    reach = math.hypot(dx, dy)
+    across = np.array([-dy, dx]) * (_half_sleeve(look) / reach) if reach > 0.0 else np.zeros(2)
+    return ends + across, ends - across
+
+
+def _half_sleeve(look: LinkageLook) -> float:
+    """Return half the width of a sleeve and its outline on paper, in millimetres."""
+    return (0.5 * _SLEEVE_WIDTH * look.distal + look.edge) / style.POINTS_PER_MM
+
+
 def link_points(pose: Pose, start: int, end: int) -> FloatArray:
     """Return the positions of two joints, shape (2, 2)."""
     return np.array([pose.joints[start].position, pose.joints[end].position])
@@ -238,11 +256,12 @@ def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> No
     stands for the distance of its joints from the origin O.
     """
     lines = [frame.scale * link_points(pose, link.start, link.end) for link in pose.links]
+    sides = [side for link in pose.links for side in _sleeve_sides(frame, pose, link, look)]
     angles = _draw_angles(frame, pose)
     faint = [points_along(line, SPACING) for angle in angles for line in angle.lines]
     labels = _Labels(
         frame,
-        np.concatenate([points_along(line, SPACING) for line in lines]),
+        np.concatenate([points_along(line, SPACING) for line in (*lines, *sides)]),
         np.concatenate([frame.cross, *faint]),
     )
     joints = _joint_texts(frame, pose)
@@ -263,7 +282,8 @@ def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> No
     ):
         start = origin if link.kind == BASE else line[0]
         if link.symbol and np.hypot(*(line[1] - start)) > _SHORTEST_LABELLED:
-            places = functools.partial(beside, np.array([start, line[1]]), look.crank / 5.0)
+            clearance = _half_sleeve(look) if link.kind == PASSIVE_LEG else look.crank / 5.0
+            places = functools.partial(beside, np.array([start, line[1]]), clearance)
             labels.write(link.symbol, places, must=False)
 
 

@@ -86,6 +86,7 @@ class ObliqueView:
                 ChartRegion(region.name, *self._pair(region.x, region.y))
                 for region in chart.regions
             ),
+            fixed=chart.fixed,
         )
 
     def _axis(self, axis: ChartAxis) -> ChartAxis:

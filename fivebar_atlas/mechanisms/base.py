@@ -382,12 +382,16 @@ class DesignChart:
         Polylines between sub-regions, each of shape (k, 2).
     regions
         Names of the sub-regions with the places where they are written.
+    fixed
+        What all designs have that is not to be seen in the chart, ``"$l_a$ = 0.8"``; empty if
+        there is nothing of the kind.
     """
 
     outline: FloatArray
     axes: tuple[ChartAxis, ...]
     borders: tuple[FloatArray, ...]
     regions: tuple[ChartRegion, ...]
+    fixed: str = ""
 
 
 class Mechanism(ABC):
@@ -413,9 +417,11 @@ class Mechanism(ABC):
     normalised: tuple[NormalisedProduct, ...] = ()
     #: Canonical labels of all mode pairs, the default first.
     modes: tuple[str, ...]
-    #: Names of the design spaces, the default first and the widest last. There may be more,
-    #: which :meth:`parse_space` knows.
+    #: Names of the design spaces, the default first and the widest last.
     spaces: tuple[str, ...]
+    #: How further spaces are written that are too many for a list, ``"l_a=VALUE"``;
+    #: :meth:`parse_space` knows them.
+    slices: tuple[str, ...] = ()
     #: Least and largest lattice resolution.
     resolution_range: tuple[int, int]
     #: Lattice resolution where nothing is said.
@@ -647,10 +653,17 @@ class Mechanism(ABC):
             for option in self.options
         )
 
-    def options_text(self, options: Options) -> str:
-        """Return sweep options in a line: ``"theta_limit = 60 deg"``; empty if there are none."""
+    def options_text(self, options: Options, but_defaults: bool = False) -> str:
+        """Return sweep options in a line: ``"theta_limit = 60 deg"``; empty if there are none.
+
+        Those that have their default value may be left out.
+        """
         values = dict(self.complete_options(options))
-        return ", ".join(f"{each.name} = {each.shown(values[each.name])}" for each in self.options)
+        return ", ".join(
+            f"{each.name} = {each.shown(values[each.name])}"
+            for each in self.options
+            if not (but_defaults and values[each.name] == each.default)
+        )
 
     def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
         """Return one design as non-dimensional parameters and its dimensional factor D.

@@ -24,8 +24,8 @@ from fivebar_atlas.synthesis.scale_search import (
     PATIENCE,
     PROOFS,
     ROUNDS,
-    TOUCHING,
     ScaleSearch,
+    contacts_of,
 )
 from fivebar_atlas.synthesis.shapes import Shape
 
@@ -140,7 +140,7 @@ def fit_shape(
                 break
         if proof.verdict != OUTSIDE:
             points, values = search.worst(anchor, scale)
-            contacts = points[values < TOUCHING] if decides else np.empty((0, 2))
+            contacts = contacts_of(points, values) if decides else np.empty((0, 2))
             place = float(position[0]), float(position[1])
             return Fit(factor, allowance if decides else 0.0, place, contacts, proof)
     raise InfeasibleSizeError(

@@ -55,7 +55,7 @@ _PARTS, _PARTINGS = 16, 13
 # Share of the largest scale that could be at which a shape is not worth a machine.
 _LEAST_SCALE = 1e-6
 _GRADIENT_STEP = 1e-6
-# Decimals of coordinates that order contacts.
+# Decimals of coordinates, as shares of the largest one, that order contacts and tell them apart.
 _SAME_PLACE = 6
 
 BoolArray = npt.NDArray[np.bool_]
@@ -456,5 +456,16 @@ def largest_at(
             break
         search.holes.append(position + within * witness)
     points, values = search.worst(position, scale)
-    contacts = points[values < TOUCHING]
-    return Touch(scale, contacts[np.lexsort(np.round(contacts, _SAME_PLACE).T)], proof)
+    return Touch(scale, contacts_of(points, values), proof)
+
+
+def contacts_of(points: FloatArray, values: FloatArray) -> FloatArray:
+    """Return the points of a shape whose margins are none, each once, from below and the left.
+
+    A least margin halfway between two samples of the boundary is found from both of them.
+    """
+    found = points[values < TOUCHING]
+    if not len(found):
+        return found
+    places = np.round(found / np.abs(found).max(), _SAME_PLACE) + 0.0
+    return found[np.unique(places[:, ::-1], axis=0, return_index=True)[1]]

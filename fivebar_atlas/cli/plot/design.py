@@ -112,7 +112,7 @@ def _in_mode(design: PlanarDesign, poses: Sequence[Pose], mode: str | None) -> P
 
 @plot.command("mechanism", context_settings=options.NEGATIVE_NUMBERS)
 @_one_design
-@click.option("--at", nargs=2, type=float, metavar="X Y", help="Position of P.")
+@click.option("--at", nargs=2, type=float, metavar="X Y", help="Position of the output point.")
 @click.option(
     "--inputs", nargs=2, type=float, metavar="ANGLE ANGLE", help="Input angles in degrees."
 )
@@ -127,9 +127,9 @@ def mechanism(
 ) -> None:
     """Draw the linkage in a pose, with joints, links and input angles named.
 
-    P is in the middle of the largest inscribed circle unless --at or --inputs say where. With
-    --all all solutions of the inverse kinematics are drawn, or with --inputs of the forward
-    kinematics.
+    Its output point is in the middle of the largest inscribed circle unless --at or --inputs
+    say where. With --all all solutions of the inverse kinematics are drawn, or with --inputs
+    of the forward kinematics.
     """
     from fivebar_atlas.figures.linkage_figure import linkage_figure
 

@@ -77,7 +77,8 @@ def design_space(
             raise InputError("--space", space, f"{stored.space!r}, that of {file}")
         drawn = stored.space
     drawn = drawn or chosen.spaces[0]
-    title = f"Design space of the {chosen.name} ({drawn})"
+    name = f" ({drawn})" if drawn in chosen.spaces else ""
+    title = f"Design space of {chosen.name}{name}"
     figure = design_space_figure(chosen.chart(drawn), title, width=width)
     save_figure(figure, output, overwrite)
 

@@ -27,6 +27,8 @@ CONDITIONED = "conditioned"
 #: Names and symbols of the parameters.
 NAMES = ("r", "l_a", "l_b")
 SYMBOLS = ("$r$", "$l_a$", "$l_b$")
+#: How slices of the free space are written.
+SLICES = tuple(f"{name}=VALUE" for name in NAMES)
 #: Range of every free parameter, in lengths of R.
 LEAST, GREATEST = 0.5, 2.0
 
@@ -51,7 +53,7 @@ def parse_space(text: str, name: str = "space") -> str:
         return text
     found = _SLICE.fullmatch(text)
     if found is None:
-        raise UnknownNameError(name, text, (CONDITIONED, *(f"{each}=VALUE" for each in NAMES)))
+        raise UnknownNameError(name, text, (CONDITIONED, *SLICES))
     allowed = f"a slice at a value from {LEAST:g} to {GREATEST:g}, such as {found[1]}=1.2"
     try:
         value = float(found[2])
@@ -176,4 +178,6 @@ def chart(space: str) -> DesignChart:
             ChartRegion("$r > R$", 0.5 * (GREATEST + 1.0), middle),
         )
     outline = np.array([[LEAST, LEAST], [GREATEST, LEAST], [GREATEST, GREATEST], [LEAST, GREATEST]])
-    return DesignChart(outline, (bottom, left), borders, regions)
+    slice_of = fixed_parameter(space)
+    fixed = "" if slice_of is None else f"{SYMBOLS[slice_of[0]]} = {slice_of[1]:.10g}"
+    return DesignChart(outline, (bottom, left), borders, regions, fixed)

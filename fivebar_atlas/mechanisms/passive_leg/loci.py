@@ -13,6 +13,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Collection, Iterator, Sequence
+from typing import TypeVar
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from fivebar_atlas.planar_geometry import (
     CLOSED,
     INTERSECTION,
     LEFT,
+    LIMIT,
     RIGHT,
     TANGENCY,
     FloatArray,
@@ -33,9 +35,10 @@ from fivebar_atlas.planar_geometry import (
     Point,
 )
 
+Locus = TypeVar("Locus", ReachArc, ForwardArc)
+
 SERIAL = "serial"
 PARALLEL = "parallel"
-LIMIT = "limit"
 
 # Parts of a sheet between whose ends conditions may change sign, an odd number, for at θ = 0 some
 # vanish; and halvings.
@@ -44,6 +47,8 @@ _SAMPLES, _HALVINGS = 401, 60
 _SHORTEST = 1e-12
 # A folded leg shorter than this is a point.
 _POINT = 1e-9
+# An end of an arc that is closer to O than this is O: there l is the root of a rounding error.
+_AT_O = 1e-7
 _ENDS = {
     forward_curve.STRAIGHT: TANGENCY,
     forward_curve.ALONG: INTERSECTION,
@@ -171,6 +176,7 @@ def _reach_arcs(
     what = (STRETCHED if outer else FOLDED)[leg]
     for run in _runs(curve, pieces):
         arc = ReachArc.of_pieces(curve, tuple((each.sheet, each.start, each.end) for each in run))
+        arc = _ending_at_o(arc)
         ends = (run[0].ends[0], run[-1].ends[1])
         if len(run) > 1 and _goes_on(curve, run[-1], run[0]):
             ends = (CLOSED, CLOSED)
@@ -334,7 +340,7 @@ def _forward_arcs(lengths: Lengths, limits: Limits, pairs: Collection[Signs]) ->
         borders = [signs for signs in pairs if (-signs[0], -signs[1]) == stretch.elbows]
         if not borders:
             continue
-        arc = ForwardArc.through(lengths, stretch.nodes)
+        arc = _ending_at_o(ForwardArc.through(lengths, stretch.nodes))
         ends = (_ENDS[stretch.ends[0]], _ENDS[stretch.ends[1]])
         if ends == (CLOSED, CLOSED):
             arc = dataclasses.replace(arc, end=arc.start)
@@ -342,6 +348,12 @@ def _forward_arcs(lengths: Lengths, limits: Limits, pairs: Collection[Signs]) ->
         down = RIGHT if up == LEFT else LEFT
         sides = {mode_label(signs): up if signs[2] > 0 else down for signs in borders}
         yield NamedArc(what.name, what.symbol, what.kind, arc, ends, sides)
+
+
+def _ending_at_o(arc: Locus) -> Locus:
+    """Return an arc that ends at O itself where rounding is all that is between O and its end."""
+    start, end = ((0.0, 0.0) if math.hypot(*at) < _AT_O else at for at in (arc.start, arc.end))
+    return dataclasses.replace(arc, start=start, end=end)
 
 
 def _up_is_left(lengths: Lengths, stretch: Stretch) -> bool:

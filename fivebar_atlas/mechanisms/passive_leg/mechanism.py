@@ -130,7 +130,7 @@ class PassiveLegMechanism(Mechanism):
             "gci_l_theta",
             r"$\eta_1^{(l,\theta)}$",
             "1",
-            "global conditioning index in the (l, theta) measure",
+            "global conditioning index in the (l, θ) measure",
             (DESIGN, MODE),
             has_error=True,
         ),
@@ -138,7 +138,7 @@ class PassiveLegMechanism(Mechanism):
             "gmi_l_theta",
             r"$\eta_2^{(l,\theta)}$",
             "1",
-            "global manipulability index in the (l, theta) measure",
+            "global manipulability index in the (l, θ) measure",
             (DESIGN, MODE),
             has_error=True,
             length_power=2,
@@ -147,7 +147,7 @@ class PassiveLegMechanism(Mechanism):
             "space_utilisation_l_theta",
             r"$\eta_3^{(l,\theta)}$",
             "1",
-            "space utilisation index with the (l, theta) measure of the workspace",
+            "space utilisation index with the (l, θ) measure of the workspace",
             (DESIGN, MODE),
             has_error=True,
             length_power=-1,
@@ -161,7 +161,7 @@ class PassiveLegMechanism(Mechanism):
         ),
         Quantity(
             "max_lci_x",
-            r"$x(1/\kappa)_{\max}$",
+            r"$x_{\max}$",
             "1",
             "x where the local conditioning index is largest",
             (DESIGN, MODE),
@@ -169,7 +169,7 @@ class PassiveLegMechanism(Mechanism):
         ),
         Quantity(
             "max_lci_y",
-            r"$y(1/\kappa)_{\max}$",
+            r"$y_{\max}$",
             "1",
             "y where the local conditioning index is largest",
             (DESIGN, MODE),
@@ -242,7 +242,7 @@ class PassiveLegMechanism(Mechanism):
                 "composed_index_l_theta",
                 r"$\eta^{(l,\theta)}$",
                 "1",
-                "composed design index in the (l, theta) measure",
+                "composed design index in the (l, θ) measure",
                 (DESIGN, MODE),
                 has_error=True,
             ),
@@ -264,6 +264,7 @@ class PassiveLegMechanism(Mechanism):
     )
     modes = MODE_PAIRS
     spaces = (design_space.CONDITIONED,)
+    slices = design_space.SLICES
     resolution_range = (2, 2000)
     default_resolution = 150
     tolerance_range = (1e-8, 1e-3)

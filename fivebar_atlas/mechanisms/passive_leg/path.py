@@ -252,10 +252,10 @@ def _fault_at_start(
     worst = int(np.argmin(reaching))
     if reaching[worst] < -TOUCH:
         leg, near = 1 + worst % 2, f", b{1 + worst % 2} too near to B{1 + worst % 2}"
-        phrase = f"P is out of reach of leg {leg}{near if worst >= 2 else ''}, by {{gap}}"
+        phrase = f"C is out of reach of leg {leg}{near if worst >= 2 else ''}, by {{gap}}"
         return fault(phrase, -float(reaching[worst]))
     if margins[8] < -TOUCH:
-        return fault("P lies in the other assembly mode")
+        return fault("C lies in the other assembly mode")
     if margins[6:8].min() < -TOUCH:
         leg = 1 + int(np.argmin(margins[6:8]))
         return fault(f"the upper link of leg {leg} is above the platform")
@@ -263,7 +263,7 @@ def _fault_at_start(
         return _fault(design, mode, 0, 0.0, start)
     if not workspace.contains(x, y):
         return fault(
-            "P lies in another part of the workspace, not connected with the usable workspace"
+            "C lies in another part of the workspace, not connected with the usable workspace"
         )
     return None
 
