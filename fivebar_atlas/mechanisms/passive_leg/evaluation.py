@@ -33,6 +33,7 @@ from fivebar_atlas.mechanisms.passive_leg.indices import (
 from fivebar_atlas.mechanisms.passive_leg.workspace import (
     GRID_STEPS,
     add_angle,
+    add_known_angles,
     find_runs,
     largest_part,
 )
@@ -105,7 +106,7 @@ def integrate_workspace(
     start = 0.0 if is_half else -theta_limit
     steps = GRID_STEPS if is_half else 2 * GRID_STEPS
     state, is_mirrored, has_forward = 1, False, False
-    w.runs.added_count[0] = 0
+    add_known_angles(w.runs, r, l_a, l_b, start, theta_limit, conditions)
     while True:
         has_room = find_runs(
             w.runs, r, l_a, l_b, start, theta_limit, elbow1, elbow2, sign, conditions, steps
