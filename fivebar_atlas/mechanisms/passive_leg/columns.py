@@ -47,8 +47,9 @@ _MAX_ROOTS = 24
 # Bracket in v at which a root is found; steps of a root and of a turning point.
 _ROOT, _MAX_STEPS, _TURNING_STEPS = 1e-14, 60, 30
 # A turning point counts if the parabola through its samples comes this near to zero, as a share
-# of the middle one.
-_NEAR = 0.5
+# of the middle one, or if that is less than a share of the other two: then the parabola need not
+# tell.
+_NEAR, _SMALL = 0.5, 0.25
 # Roots closer to an end in v than this, some 1e-11 of the interval in l, are rounding at the end.
 _AT_END = 2e-6
 # Closer to O columns are rounding where R - r = l_b - l_a: there legs are folded in all poses.
@@ -203,7 +204,8 @@ def _bracket_roots(
                 continue
             bend = before - 2.0 * here + after
             slope = 0.5 * (after - before)
-            if bend <= 0.0 or here - 0.5 * slope * slope / bend > _NEAR * here:
+            is_small = here < _SMALL * min(before, after)
+            if bend <= 0.0 or not (is_small or here - 0.5 * slope * slope / bend < _NEAR * here):
                 continue
             # walk down to the turning point by golden sections, until below zero or flat
             left, right = col.sample_v[j - 1], col.sample_v[j + 1]

@@ -24,6 +24,7 @@ from fivebar_atlas.mechanisms.passive_leg.indices import (
     MANIPULABILITY,
     MANIPULABILITY_WIDTH,
     MAX_THRESHOLDS,
+    UNSEEN_SHARE,
     WIDTH,
     Integrals,
     integrate_part,
@@ -33,6 +34,7 @@ from fivebar_atlas.mechanisms.passive_leg.indices import (
 from fivebar_atlas.mechanisms.passive_leg.workspace import (
     GRID_STEPS,
     add_angle,
+    add_known_angles,
     find_runs,
     largest_part,
 )
@@ -105,7 +107,7 @@ def integrate_workspace(
     start = 0.0 if is_half else -theta_limit
     steps = GRID_STEPS if is_half else 2 * GRID_STEPS
     state, is_mirrored, has_forward = 1, False, False
-    w.runs.added_count[0] = 0
+    add_known_angles(w.runs, r, l_a, l_b, start, theta_limit, conditions)
     while True:
         has_room = find_runs(
             w.runs, r, l_a, l_b, start, theta_limit, elbow1, elbow2, sign, conditions, steps
@@ -205,18 +207,21 @@ def evaluate_design(
     else:
         out[GMI], out[GMI_ERROR] = _mean(w, MANIPULABILITY, AREA)
         out[GMI_L_THETA], out[GMI_L_THETA_ERROR] = _mean(w, MANIPULABILITY_WIDTH, WIDTH)
+    lci, length, theta = largest_lci(w, r, l_a, l_b, theta_limit, elbow1, elbow2, sign, usable)
     for kind in range(len(thresholds)):
         at, column = FIXED + 3 * kind, COLUMNS + 6 * kind
-        area = w.total[at]
-        out[column], out[column + 1] = area, w.total_error[at]
+        area, threshold = w.total[at], thresholds[kind]
+        unseen = UNSEEN_SHARE * tolerance * w.total[AREA] if lci > threshold else 0.0
+        out[column], out[column + 1] = area, w.total_error[at] + unseen
         if area > 0.0:
             for which in range(2):
                 mean = w.total[at + 1 + which] / area
                 error = w.total_error[at + 1 + which] + mean * w.total_error[at]
+                # the LCI of what is unseen is near the threshold
+                error += unseen * (mean - threshold if which == 0 else mean)
                 out[column + 2 + 2 * which], out[column + 3 + 2 * which] = mean, error / area
             # the LCI lies between the threshold and 1
-            out[column + 3] = min(out[column + 3], 1.0 - thresholds[kind])
-    lci, length, theta = largest_lci(w, r, l_a, l_b, theta_limit, elbow1, elbow2, sign, usable)
+            out[column + 3] = min(out[column + 3], 1.0 - threshold)
     # of mirror images the one at positive x
     if elbow1 == -elbow2:
         theta = -abs(theta)

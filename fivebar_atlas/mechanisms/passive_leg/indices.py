@@ -21,9 +21,9 @@ from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.base import FloatArray
 from fivebar_atlas.mechanisms.passive_leg.columns import PASSIVE_JOINTS, find_column
 from fivebar_atlas.mechanisms.passive_leg.isotropy import MAX_ISOTROPIC, isotropic_points
-from fivebar_atlas.mechanisms.passive_leg.jacobian import local_indices
+from fivebar_atlas.mechanisms.passive_leg.jacobian import TINY, local_indices
 from fivebar_atlas.mechanisms.passive_leg.kinematics import reaches_at
-from fivebar_atlas.mechanisms.passive_leg.singularity import conditions_at
+from fivebar_atlas.mechanisms.passive_leg.singularity import FORWARD, conditions_at
 from fivebar_atlas.mechanisms.passive_leg.workspace import RUNS, Runs, is_of_run
 from fivebar_atlas.numerics.quadrature import (
     cluster,
@@ -31,6 +31,7 @@ from fivebar_atlas.numerics.quadrature import (
     cluster_slope,
     gauss_kronrod,
     kronrod_error,
+    null_rules,
 )
 from fivebar_atlas.numerics.records import record_type
 from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
@@ -40,6 +41,8 @@ IndexArray = npt.NDArray[np.int64]
 #: Order of the Gauss rules and number of Kronrod nodes.
 ORDER = 7
 NODES = 2 * ORDER + 1
+# Null rules besides the difference of Gauss and Kronrod sums.
+_NULL_RULES = 2
 #: Most thresholds treated together.
 MAX_THRESHOLDS = 4
 #: Integrals: planar area, ∫∫ dl dθ, LCI and manipulability in the planar and in the (l, θ)
@@ -53,10 +56,17 @@ _INNER_SHARE, _SHORTEST = 0.1, 1e-4
 # The manipulability of a small good-condition workspace counts as if it had this share of the area.
 _LEAST_SHARE = 0.1
 # Kronrod errors of smooth integrands are at least this share of the Gauss-Kronrod difference. The
-# LCI is not smooth at isotropic points; integrals over where it reaches a threshold are not where
-# the level curve has a turning point: there columns differ in their number of crossings, and a
-# panel may miss by chance what lies between them.
-_LEAST_GAIN, _LEVEL_GAIN, _TURNING_GAIN = 0.3, 4.0, 16.0
+# LCI is not smooth at isotropic points, nor are intervals that end at a forward singularity, which
+# may bend sharply. Integrals over where the LCI reaches a threshold are not where the level curve
+# has a turning point: there columns differ in their number of crossings, and a panel may miss by
+# chance what lies between them.
+_LEAST_GAIN, _BEND_GAIN, _LEVEL_GAIN, _TURNING_GAIN = 0.3, 4.0, 4.0, 16.0
+# With thresholds panels are no wider than this times the root of the tolerance, that what lies
+# between their columns is of the size of the tolerance, but they need not be narrower than this.
+_SPACING, _NARROW = 150.0, 0.1
+#: What none of the columns meets of where the LCI reaches a threshold may have this share of the
+#: tolerance.
+UNSEEN_SHARE = 0.2
 # Intervals are cut at isotropic points from columns no farther than this angle, unless that is as
 # near to an end in v.
 _NEAR_ANGLE, _AT_END = 0.25, 1e-3
@@ -66,8 +76,8 @@ _KEPT_CHANGE = 1.0
 _MAX_CUTS = 12
 _ROOT, _MAX_STEPS, _TURNING_STEPS = 1e-12, 60, 24
 # A turning point counts if the parabola through its points comes this near to the threshold, as a
-# share of the middle one.
-_NEAR = 0.5
+# share of the middle one, or if that is less than a share of the other two.
+_NEAR, _SMALL = 0.5, 0.25
 # Pattern search for the largest LCI: first step as a share of the links, and the last one.
 _FIRST_STEP, _LAST_STEP = 0.02, 1e-10
 # Some node of a workspace with an isotropic point has more than this LCI.
@@ -97,6 +107,9 @@ class Integrals(Protocol):
         (MAX_THRESHOLDS,).
     gauss
         Gauss sums of a panel, shape (VALUES,).
+    null_weights, null_sums
+        Null rules, shape (_NULL_RULES, NODES), and their values for a panel, shape (_NULL_RULES,
+        VALUES).
     leaf_low, leaf_high
         Leaves to do, shape (MAX_LEAVES,).
     v, lci, manipulability, length
@@ -109,6 +122,8 @@ class Integrals(Protocol):
         Integrals over the panel that was halved last, shape (VALUES,).
     isotropic, isotropic_count
         Isotropic points, l and θ, shape (MAX_ISOTROPIC, 2), and their number, shape (1,).
+    gaps
+        Area and ∫∫ dl dθ that are left out between runs, shape (2,).
     missed
         Angle of a column that is not of its run, shape (1,).
     """
@@ -131,6 +146,8 @@ class Integrals(Protocol):
     most_cuts: IndexArray
     fewest_cuts: IndexArray
     gauss: FloatArray
+    null_weights: FloatArray
+    null_sums: FloatArray
     leaf_low: FloatArray
     leaf_high: FloatArray
     v: FloatArray
@@ -142,6 +159,7 @@ class Integrals(Protocol):
     halved: FloatArray
     isotropic: FloatArray
     isotropic_count: IndexArray
+    gaps: FloatArray
     missed: FloatArray
 
 
@@ -157,12 +175,15 @@ INTEGRALS = record_type(
         (name, np.float64, (VALUES,))
         for name in ("total", "total_error", "column_values", "column_errors", "gauss", "halved")
     ),
+    ("null_weights", np.float64, (_NULL_RULES, NODES)),
+    ("null_sums", np.float64, (_NULL_RULES, VALUES)),
     *((name, np.float64, (MAX_LEAVES,)) for name in ("leaf_low", "leaf_high")),
     *((name, np.float64, (NODES + 2,)) for name in ("v", "lci", "manipulability", "length")),
     ("cuts", np.float64, (_MAX_CUTS + 2,)),
     ("best", np.float64, (3,)),
     ("isotropic", np.float64, (MAX_ISOTROPIC, 2)),
     ("isotropic_count", np.int64, (1,)),
+    ("gaps", np.float64, (2,)),
     ("missed", np.float64, (1,)),
 )
 
@@ -170,6 +191,7 @@ INTEGRALS = record_type(
 def set_rule(w: Integrals) -> None:
     """Fill in the quadrature rule."""
     w.nodes[:], w.weights[:], w.gauss_weights[:] = gauss_kronrod(ORDER)
+    w.null_weights[:] = null_rules(ORDER, _NULL_RULES)
 
 
 @kernel
@@ -197,7 +219,10 @@ def _find_cuts(
                 and here <= after
                 and min(before, after) > 0.0
                 and bend > 0.0
-                and here - 0.25 * slope * slope / bend < _NEAR * here
+                and (
+                    here < _SMALL * min(before, after)
+                    or here - 0.25 * slope * slope / bend < _NEAR * here
+                )
             ):
                 left, right = w.v[j - 1], w.v[j + 1]
                 x1 = left + 0.381966011250105 * (right - left)
@@ -407,6 +432,13 @@ def _integrate_panel(
     w.panel_values[panel, :] = 0.0
     w.panel_inner[panel, :] = 0.0
     w.gauss[:] = 0.0
+    w.null_sums[:] = 0.0
+    is_smooth = True
+    for i in range(runs.intervals[run]):
+        if (part < 0 or runs.part[run, i] == part) and (
+            runs.low_kind[run, i] == FORWARD or runs.high_kind[run, i] == FORWARD
+        ):
+            is_smooth = False
     for j in range(NODES):
         v = a + (b - a) * w.nodes[j]
         theta = runs.start[run] + span * cluster(v)
@@ -437,13 +469,19 @@ def _integrate_panel(
             w.panel_values[panel, k] += slope * w.weights[j] * w.column_values[k]
             w.panel_inner[panel, k] += slope * w.weights[j] * w.column_errors[k]
             w.gauss[k] += slope * w.gauss_weights[j] * w.column_values[k]
+            for rule in range(_NULL_RULES if k >= FIXED else 0):
+                w.null_sums[rule, k] += slope * w.null_weights[rule, j] * w.column_values[k]
     for k in range(VALUES):
         value = w.panel_values[panel, k]
         difference = abs(value - w.gauss[k])
         if k >= FIXED:
+            for rule in range(_NULL_RULES):
+                difference = max(difference, abs(w.null_sums[rule, k]))
             kind = (k - FIXED) // 3
             turns = kind < len(thresholds) and w.most_cuts[kind] > w.fewest_cuts[kind]
             difference *= _TURNING_GAIN if turns else _LEVEL_GAIN
+        elif not is_smooth:
+            difference *= _BEND_GAIN
         elif k != LCI and k != LCI_WIDTH:
             difference = kronrod_error(difference, value, _LEAST_GAIN)
         w.panel_errors[panel, k] = difference
@@ -466,13 +504,47 @@ def _keep_change(w: Integrals, one: int, other: int) -> None:
 
 @kernel
 def _sum_panels(w: Integrals, panels: int) -> None:
-    """Add up the panels and their errors."""
+    """Add up the panels and their errors, and what the gaps between runs leave out."""
     w.total[:] = 0.0
     w.total_error[:] = 0.0
     for panel in range(panels):
         for k in range(VALUES):
             w.total[k] += w.panel_values[panel, k]
             w.total_error[k] += w.panel_errors[panel, k] + w.panel_inner[panel, k]
+    # there the LCI is 1 at most, and the manipulability about its mean
+    area, width = w.gaps[0], w.gaps[1]
+    for k in (AREA, LCI):
+        w.total_error[k] += area
+    for k in (WIDTH, LCI_WIDTH):
+        w.total_error[k] += width
+    w.total_error[MANIPULABILITY] += area * w.total[MANIPULABILITY] / (w.total[AREA] + TINY)
+    w.total_error[MANIPULABILITY_WIDTH] += (
+        width * w.total[MANIPULABILITY_WIDTH] / (w.total[WIDTH] + TINY)
+    )
+    for k in range(FIXED, VALUES, 3):
+        w.total_error[k] += area
+        w.total_error[k + 1] += area
+        w.total_error[k + 2] += area * w.total[k + 2] / (w.total[k] + TINY)
+
+
+@kernel
+def _measure_gaps(w: Integrals, part: int) -> None:
+    """Find what is left out between neighbouring runs."""
+    runs = w.runs
+    w.gaps[:] = 0.0
+    for run in range(1, runs.count[0]):
+        gap = runs.start[run] - runs.end[run - 1]
+        for side in range(2):
+            at = run - side
+            lows, highs = (
+                (runs.first_low[at], runs.first_high[at])
+                if side == 0
+                else (runs.last_low[at], runs.last_high[at])
+            )
+            for i in range(runs.intervals[at]):
+                if part < 0 or runs.part[at, i] == part:
+                    w.gaps[0] += 0.5 * gap * (highs[i] - lows[i]) * (highs[i] + lows[i])
+                    w.gaps[1] += gap * (highs[i] - lows[i])
 
 
 @kernel
@@ -528,6 +600,11 @@ def integrate_part(
         )
     values = FIXED + 3 * len(thresholds) if has_indices else 1
     w.best[0] = -1.0
+    _measure_gaps(w, part)
+    # columns of a panel are closest at its ends
+    widest = math.inf
+    if has_indices and len(thresholds) > 0:
+        widest = max(_SPACING * math.sqrt(tolerance), _NARROW)
     panels = 0
     for run in range(runs.count[0]):
         if runs.end[run] <= runs.start[run]:
@@ -571,10 +648,17 @@ def integrate_part(
             if scale > 0.0 and w.total_error[k] > scale:
                 is_reached = False
         if is_reached:
-            return 0
+            for panel in range(panels):
+                run = w.panel_run[panel]
+                span = cluster(w.panel_high[panel]) - cluster(w.panel_low[panel])
+                span *= runs.end[run] - runs.start[run]
+                if span > widest and span > worst_share:
+                    worst, worst_share = panel, span
+            if worst < 0:
+                return 0
         if panels + 1 >= MAX_PANELS:
             return 1
-        for panel in range(panels):
+        for panel in range(panels if not is_reached else 0):
             share = 0.0
             for k in range(values):
                 scale = _scale_of(w, k, has_manipulability) * tolerance

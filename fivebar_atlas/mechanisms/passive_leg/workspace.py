@@ -1,15 +1,17 @@
 """Usable workspace of the manipulator with a passive leg: its columns put together over θ.
 
 Angles at which columns change, because intervals appear, vanish, merge or are ended by something
-else, are found by bisection between columns of a grid. Between them, in a run, every interval has
-ends that are smooth functions of θ. Intervals of neighbouring runs that overlap are connected; the
-usable workspace is the connected part with the largest planar area ∫∫ l dl dθ.
+else, are found by bisection between columns of a grid, to which those known in closed form are
+added. Between them, in a run, every interval has ends that are smooth functions of θ. Intervals of
+neighbouring runs that overlap are connected; the usable workspace is the connected part with the
+largest planar area ∫∫ l dl dθ.
 
 Working modes "+-" and "-+" are symmetric about θ = 0: there half of the angles will do.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -32,9 +34,11 @@ IndexArray = npt.NDArray[np.int64]
 #: Most runs of columns of one kind.
 MAX_RUNS = 96
 #: Steps of the grid of angles, and the most angles that may be added to it.
-GRID_STEPS, MAX_ADDED = 24, 12
-# Angles between which columns change are this close.
-_EVENT = 1e-11
+GRID_STEPS, MAX_ADDED = 24, 80
+#: Angles between which columns change are no farther apart than this.
+EVENT = 1e-11
+# Columns are looked at this far to either side of changes in closed form.
+_BESIDE = 0.4 * EVENT
 # Intervals that overlap by less than this are not connected.
 _TOUCH = 1e-5
 # Angles over which a forward singularity bounds a part are more than this; where the folded legs
@@ -199,7 +203,7 @@ def find_runs(
                     break
             else:
                 beyond, is_closing = theta, True
-            if is_closing and beyond - runs.end[run] > _EVENT:
+            if is_closing and beyond - runs.end[run] > EVENT:
                 theta = 0.5 * (runs.end[run] + beyond)
                 continue
             if is_closing:
@@ -230,6 +234,50 @@ def add_angle(runs: Runs, theta: float) -> bool:
     runs.added[place] = theta
     runs.added_count[0] = count + 1
     return True
+
+
+@kernel
+def add_known_angles(
+    runs: Runs, r: float, l_a: float, l_b: float, start: float, end: float, conditions: int
+) -> None:
+    """Add the angles to either side of those at which columns change in closed form.
+
+    A curve on which a point of the platform with the arm a keeps the distance ρ from a base joint
+    turns back at cos θ = a ± ρ, and is at l = 0 where cos θ = (1 + a² - ρ²)/(2 a). There two
+    intervals may touch in O, which is no connection of the parts that they belong to.
+
+    Parameters
+    ----------
+    runs
+        Receives the angles, and loses those that it has.
+    r, l_a, l_b, conditions
+        As for :func:`columns.find_column`.
+    start, end
+        The first and the last angle.
+    """
+    runs.added_count[0] = 0
+    if start < 0.0 < end:
+        add_angle(runs, -_BESIDE)
+    if start <= 0.0 < end:
+        add_angle(runs, _BESIDE)
+    # legs stretched and folded, upper links level with the platform
+    for curve in range(4 if conditions != 0 else 2):
+        arm = r if curve < 2 else (r + l_b if curve == 2 else r - l_b)
+        reach = l_a + l_b if curve == 0 else (abs(l_a - l_b) if curve == 1 else l_a)
+        for place in range(3):
+            if place == 0:
+                if arm == 0.0:
+                    continue
+                cosine = (1.0 + (arm - reach) * (arm + reach)) / (2.0 * arm)
+            else:
+                cosine = arm - reach if place == 1 else arm + reach
+            if not abs(cosine) < 1.0:
+                continue
+            angle = math.acos(cosine)
+            for side in range(4):
+                theta = (angle if side < 2 else -angle) + (_BESIDE if side % 2 else -_BESIDE)
+                if start < theta < end:
+                    add_angle(runs, theta)
 
 
 @kernel
