@@ -198,7 +198,7 @@ def _sleeve_sides(
     frame: PlaneFrame, pose: Pose, link: Link, look: LinkageLook
 ) -> tuple[FloatArray, ...]:
     """Return both sides of the sleeve of a link on paper; none where there is no sleeve."""
-    if link.kind != PASSIVE_LEG:
+    if link.kind != TELESCOPE:
         return ()
     ends = frame.scale * _sleeve_points(pose, link, look.ground * _SLEEVE / frame.scale)
     dx, dy = ends[1] - ends[0]
@@ -282,7 +282,7 @@ def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> No
     ):
         start = origin if link.kind == BASE else line[0]
         if link.symbol and np.hypot(*(line[1] - start)) > _SHORTEST_LABELLED:
-            clearance = _half_sleeve(look) if link.kind == PASSIVE_LEG else look.crank / 5.0
+            clearance = _half_sleeve(look) if link.kind == TELESCOPE else look.crank / 5.0
             places = functools.partial(beside, np.array([start, line[1]]), clearance)
             labels.write(link.symbol, places, must=False)
 

@@ -22,7 +22,6 @@ from fivebar_atlas.mechanisms.mode_pairs import mode_signs
 from fivebar_atlas.mechanisms.passive_leg.loci import (
     FOLDED,
     LEVEL_LINKS,
-    LIMIT,
     PASSIVE_LEG,
     SINGULAR_PLATFORM,
     STRETCHED,
@@ -31,7 +30,7 @@ from fivebar_atlas.mechanisms.passive_leg.loci import (
 from fivebar_atlas.mechanisms.passive_leg.outline import UsableWorkspace
 from fivebar_atlas.mechanisms.paths import checked_corners, columns, nearest_of
 from fivebar_atlas.mechanisms.planar import PathFault, PathReport
-from fivebar_atlas.planar_geometry import PolylineArc
+from fivebar_atlas.planar_geometry import LIMIT, PolylineArc
 
 if TYPE_CHECKING:
     from fivebar_atlas.mechanisms.passive_leg.passive_leg import PassiveLeg
