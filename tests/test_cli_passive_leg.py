@@ -46,6 +46,20 @@ def test_faults_of_a_path_name_its_own_point_and_call_no_limit_singular(
     assert outcome.out.rstrip().endswith(end)
 
 
+def test_sizes_have_the_unit_of_their_power(atlas: Command) -> None:
+    outcome = atlas("size", *DESIGN, "--area", "100mm2")
+    rows = {line.split()[0]: line.split()[1:] for line in outcome.out.splitlines() if line}
+    assert [row[1:] for name, row in rows.items() if name.startswith(("gci", "gmi", "max_"))] == [
+        *([], ["mm²"], [], ["mm²"]),
+        *([], ["mm"], ["mm"]),
+    ]
+    value, unit = rows["space_utilisation_l_theta"]
+    assert unit == "mm⁻¹"
+    designs = atlas("evaluate", *DESIGN).out.split("space_utilisation_l_theta")[1].split()[0]
+    factor = float(rows["dimensional"][2])
+    assert float(value) * factor == pytest.approx(float(designs), rel=1e-7)
+
+
 def test_slices_are_listed_with_the_design_spaces(atlas: Command) -> None:
     outcome = atlas("mechanisms", "passive-leg")
     assert "design spaces   conditioned, r=VALUE, l_a=VALUE, l_b=VALUE\n" in outcome.out

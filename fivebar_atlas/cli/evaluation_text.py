@@ -9,7 +9,15 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from fivebar_atlas.cli.design_figures import lci_map, linkage, workspace
-from fivebar_atlas.cli.presentation import Captioned, Row, Section, Table, capitalised, option_rows
+from fivebar_atlas.cli.presentation import (
+    Captioned,
+    Row,
+    Section,
+    Table,
+    capitalised,
+    option_rows,
+    raised,
+)
 from fivebar_atlas.errors import InputError
 
 if TYPE_CHECKING:
@@ -26,7 +34,6 @@ if TYPE_CHECKING:
 _LABEL_WIDTH = 40
 # Mode pairs that a report draws: each takes two figures.
 _DRAWN = 4
-_UNITS = {1: "D", 2: "D²"}
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -133,7 +140,12 @@ class EvaluationText:
         sentence = f"Values are those of the design scaled to {scaled}; what" if scaled else "What"
         sentence += " is integrated has an absolute error estimate."
         if self.factor != 1.0:
-            sentence += " The last column has lengths times D and areas times D²."
+            powers = {each.length_power for each in self.mechanism.quantities}
+            others = "".join(
+                f", what is in {raised('D', power)} times that"
+                for power in sorted(powers - {0, 1, 2})
+            )
+            sentence += f" The last column has lengths times D and areas times D²{others}."
         return [
             Section("Choices", rows=choices),
             Section("Design", (sentence,), tables=(self._table(self._of_design()),)),
@@ -215,7 +227,7 @@ class EvaluationText:
                 error = f"± {self.results[quantity.error_name][index]:.1e}"
             if quantity.length_power and factor != 1.0:
                 scaled = f"{factor**quantity.length_power * value + 0.0:.8g}"
-                unit = _UNITS.get(quantity.length_power, f"D^{quantity.length_power}")
+                unit = raised("D", quantity.length_power)
             yield _Entry(label, meaning, f"{value + 0.0:.8g}", error, scaled, unit)
 
     def _table(self, entries: Iterator[_Entry]) -> Table:

@@ -16,6 +16,7 @@ from fivebar_atlas.cli.presentation import (
     Table,
     capitalised,
     option_rows,
+    raised,
     titled,
 )
 
@@ -214,7 +215,7 @@ class MachineText:
                 continue
             power = quantity.length_power
             scale = machine.factor**power
-            suffix = {0: "", 1: f" {unit}", 2: f" {unit}²"}.get(power, f" {unit}^{power}")
+            suffix = f" {raised(unit, power)}".rstrip()
             error = ""
             if quantity.has_error:
                 error = f"± {scale * float(results[quantity.error_name].ravel()[0]):.1e}{suffix}"

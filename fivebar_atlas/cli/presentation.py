@@ -30,8 +30,19 @@ __all__ = [
     "json_text",
     "option_rows",
     "present",
+    "raised",
     "titled",
 ]
+
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def raised(unit: str, power: int) -> str:
+    """Return a power of a unit: ``"mm²"``, ``"mm"``, ``"mm⁻¹"``; nothing for the power 0."""
+    if power == 0:
+        return ""
+    return unit if power == 1 else unit + str(power).translate(_SUPERSCRIPTS)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

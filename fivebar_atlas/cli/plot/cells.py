@@ -111,6 +111,8 @@ def _draw(
     set_values = options.options_of(chosen, set_options)
     count = DEFAULT_CELLS if cells is None else cells
     drawn, title = make(chosen, chosen_space, count, set_values)
+    if unusual := chosen.options_text(set_values, but_defaults=True):
+        title = f"{title}, {unusual}"
     figure = cell_atlas(chosen.chart(chosen_space), drawn, title, width=width)
     save_figure(figure, output, overwrite)
     if data is not None:
