@@ -536,6 +536,13 @@ def test_operating_limits_are_those_of_dense_columns() -> None:
             assert off.max(axis=0) == pytest.approx(half, abs=0.05)
 
 
+def test_operating_limits_have_no_gaps_where_intervals_are_narrow() -> None:
+    limits = PassiveLeg(1.2, 1.4, 1.2).operating_limits("-+/up", 3601)
+    (reached,) = np.nonzero(~np.isnan(limits.least[:, 0]))
+    assert len(reached) == reached[-1] - reached[0] + 1
+    assert np.degrees(limits.places[reached[-1]]) == pytest.approx(12.7243394, abs=0.05)
+
+
 def test_a_machine_is_the_design_times_its_base() -> None:
     robot = planar_design(250, 200, 250, 300, mechanism="passive-leg")
     design = PassiveLeg.from_lengths(250, 200, 250, 300)

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 # Angles from one to the next of which inputs turn by less than half a turn, and points along an
 # interval of l with the same property.
 _ANGLES, _POINTS = 240, 25
-# Share of an interval by which its ends are moved inward, so that both legs reach.
+# Share of its largest length by which the ends of an interval are moved inward, more than what they
+# are rounded by, so that both legs reach; 4e-7 of an input where a leg is stretched.
 _INWARD = 1e-13
 
 
@@ -118,7 +119,7 @@ def _intervals(
     )
     found = []
     for low, high in workspace.part.intervals(theta):
-        inward = _INWARD * (high - low)
+        inward = min(_INWARD * high, 0.25 * (high - low))
         share = np.linspace(0.0, 1.0, _POINTS)
         evenly = low + inward + (high - low - 2.0 * inward) * share**2 * (3.0 - 2.0 * share)
         lengths = np.union1d(evenly, levels[(levels > evenly[0]) & (levels < evenly[-1])])
