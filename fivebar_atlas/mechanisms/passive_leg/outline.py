@@ -272,7 +272,7 @@ def usable_workspace_of(lengths: Lengths, limits: Limits, signs: Signs) -> Usabl
         return None
     loops = []
     for chain in _chains(part, _runs_of(part)):
-        arcs = _meeting_exactly(_smooth([_arc_of(part, edge) for edge in chain]))
+        arcs = _meeting_exactly(_smooth([arc for edge in chain for arc in _arcs_of(part, edge)]))
         if arcs:
             loops.append(closed_loop(arcs))
     if not loops:  # no larger than rounding
@@ -423,19 +423,20 @@ def _chains(part: ModePart, plane_runs: list[_Run]) -> list[list[_Edge]]:
     return chains
 
 
-def _arc_of(part: ModePart, edge: _Edge) -> NamedArc | None:
-    """Return the arc of an edge; None where there is no angle or length between its ends."""
+def _arcs_of(part: ModePart, edge: _Edge) -> list[NamedArc]:
+    """Return the arcs of an edge; none where there is no angle or length between its ends."""
     if edge.kind == NO_LENGTH:
-        return None
+        return []
     kind = _MIRRORED.get(edge.kind, edge.kind) if edge.turn < 0.0 else edge.kind
+    arcs: list[Arc]
     if edge.kind == _THETA_LIMIT:
-        arc: Arc | None = _straight_arc(edge)
+        arcs = [_straight_arc(edge)]
     elif edge.kind == FORWARD:
-        arc = _forward_arc(part, edge)
+        arcs = _forward_arcs(part, edge)
     else:
-        arc = _reach_arc(part, edge, kind)
+        arcs = _reach_arcs(part, edge, kind)
     curve: Curve = _CURVES[kind]
-    return None if arc is None else NamedArc(curve.name, curve.symbol, curve.kind, arc)
+    return [NamedArc(curve.name, curve.symbol, curve.kind, arc) for arc in arcs]
 
 
 def _point(pose: tuple[float, float]) -> Point:
@@ -448,10 +449,10 @@ def _straight_arc(edge: _Edge) -> PolylineArc:
     return PolylineArc(np.array([_point(edge.start), _point(edge.end)]))
 
 
-def _reach_arc(part: ModePart, edge: _Edge, kind: int) -> ReachArc | None:
+def _reach_arcs(part: ModePart, edge: _Edge, kind: int) -> list[Arc]:
     """Return the arc of an edge on a curve in closed form."""
     if edge.start[0] == edge.end[0]:
-        return None
+        return []
     theta = 0.5 * (edge.start[0] + edge.end[0])
     length = _column_ends(part, edge, np.array([edge.turn * theta]))[0]
     choices = [
@@ -461,26 +462,66 @@ def _reach_arc(part: ModePart, edge: _Edge, kind: int) -> ReachArc | None:
     ]
     _, number, sheet = min(choices)
     curve = _curves_of(part.lengths, kind)[number]
-    return ReachArc.of_pieces(curve, ((sheet, edge.start[0], edge.end[0]),))
+    return [ReachArc.of_pieces(curve, ((sheet, edge.start[0], edge.end[0]),))]
 
 
-def _forward_arc(part: ModePart, edge: _Edge) -> ForwardArc | None:
-    """Return the arc of an edge on the forward singularity, through its ends in many columns."""
+def _forward_arcs(part: ModePart, edge: _Edge) -> list[Arc]:
+    """Return the arc of an edge on the forward singularity, through its ends in many columns.
+
+    Two arcs where it passes through a point at which b_i is on B_i, for there the links of that leg
+    turn by half a turn.
+    """
     runs = part.runs
     start, end = float(runs.start[edge.run]), float(runs.end[edge.run])
     if not end > start:
-        return None
+        return []
     v = np.linspace(0.0, 1.0, _NODES)
     theta = start + (end - start) * v**2 * (3.0 - 2.0 * v)
     length = _column_ends(part, edge, theta)
     chi = upper_directions(part.lengths, length, theta, part.elbows)
     nodes = np.column_stack([length, theta, *np.unwrap(chi)])[~np.isnan(length)]
-    if len(nodes) < 2 or np.ptp(nodes[:, :2], axis=0).max() < _SHORTEST:
-        return None
-    arc = ForwardArc.through(part.lengths, moved_onto(part.lengths, nodes))
-    if edge.turn < 0.0:
-        arc = arc.mirrored(True, False).reversed()
-    return arc if edge.is_high else arc.reversed()
+    arcs: list[Arc] = []
+    for some in _cut_where_folded(part.lengths, nodes):
+        if len(some) < 2 or np.ptp(some[:, :2], axis=0).max() < _SHORTEST:
+            continue
+        arc = ForwardArc.through(part.lengths, moved_onto(part.lengths, some))
+        if edge.turn < 0.0:
+            arc = arc.mirrored(True, False).reversed()
+        arcs.append(arc if edge.is_high else arc.reversed())
+    return arcs if edge.is_high == (edge.turn > 0.0) else arcs[::-1]
+
+
+def _cut_where_folded(lengths: Lengths, nodes: FloatArray) -> list[FloatArray]:
+    """Cut nodes of the forward singularity, by rising θ, where b_1 or b_2 is on its base joint."""
+    base, platform, l_a, l_b = lengths
+    if abs(l_a - l_b) > _SHORTEST or platform >= base:
+        return [nodes]
+    folded = math.acos(platform / base)
+    length = math.sqrt((base - platform) * (base + platform))
+    pieces = []
+    for theta in (-folded, folded):
+        place = int(np.searchsorted(nodes[:, 1], theta))
+        if not 0 < place < len(nodes):
+            continue
+        before, after = nodes[place - 1], nodes[place]
+        turns = np.abs(after - before)[2:]
+        leg = int(np.argmax(turns))
+        if turns[leg] < 0.5 * math.pi:
+            continue
+        # the upper link of the folded leg points in the direction for which J_x is singular
+        middle = 0.5 * (before + after)
+        other, side = middle[3 - leg], 1.0 - 2.0 * leg
+        direction = math.atan2(
+            length * math.sin(other),
+            length * math.cos(other) + side * 2.0 * platform * math.sin(other),
+        )
+        ends = [middle.copy(), middle.copy()]
+        for end, near in zip(ends, (before, after), strict=True):
+            half_turns = round((near[2 + leg] - direction) / math.pi)
+            end[[0, 1, 2 + leg]] = length, theta, direction + math.pi * half_turns
+        pieces.append(np.vstack([nodes[:place], ends[0]]))
+        nodes = np.vstack([ends[1], nodes[place:]])
+    return [*pieces, nodes]
 
 
 def _column_ends(part: ModePart, edge: _Edge, theta: FloatArray) -> FloatArray:
@@ -494,12 +535,10 @@ def _column_ends(part: ModePart, edge: _Edge, theta: FloatArray) -> FloatArray:
     return found
 
 
-def _smooth(arcs: Sequence[NamedArc | None]) -> list[NamedArc]:
+def _smooth(arcs: Sequence[NamedArc]) -> list[NamedArc]:
     """Make neighbouring arcs of one curve one arc; leave out what is a point even then."""
     joined: list[NamedArc] = []
     for each in arcs:
-        if each is None:
-            continue
         together = _joined(joined[-1].arc, each.arc) if joined else None
         if together is None:
             joined.append(each)
