@@ -46,6 +46,20 @@ def test_faults_of_a_path_name_its_own_point_and_call_no_limit_singular(
     assert outcome.out.rstrip().endswith(end)
 
 
+def test_an_empty_workspace_has_no_size_and_no_indices(atlas: Command) -> None:
+    # with elbows outward and upper links below the platform det J_x is nowhere positive
+    outcome = atlas("evaluate", *CHOSEN, 1, 2, 3, 2, "--mode", "+-/down")
+    rows = {
+        line.split()[0]: line.split()[1]
+        for line in outcome.out.splitlines()
+        if len(line.split()) > 1
+    }
+    assert rows["status"] == "empty_usable_workspace"
+    for name in ("usable_workspace_area", "space_utilisation", "space_utilisation_l_theta"):
+        assert rows[name] == "0"
+    assert rows["gci"] == rows["gmi"] == rows["max_lci"] == "none"
+
+
 def test_sizes_have_the_unit_of_their_power(atlas: Command) -> None:
     outcome = atlas("size", *DESIGN, "--area", "100mm2")
     rows = {line.split()[0]: line.split()[1:] for line in outcome.out.splitlines() if line}

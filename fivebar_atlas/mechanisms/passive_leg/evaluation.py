@@ -173,6 +173,7 @@ def evaluate_design(
     out[:] = math.nan
     for k in range(6):
         out[k] = 0.0
+    out[L_THETA], out[L_THETA_ERROR] = 0.0, 0.0
     for kind in range(len(thresholds)):
         out[COLUMNS + 6 * kind] = 0.0
         out[COLUMNS + 6 * kind + 1] = 0.0
