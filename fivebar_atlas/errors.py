@@ -132,6 +132,49 @@ class OutOfReachError(InputError):
         return OutOfReachError(self.name, value, self._template, factor * self.gap, unit)
 
 
+class InvalidPoseError(InputError):
+    """A pose that a passive joint does not allow.
+
+    Parameters
+    ----------
+    name
+        Name of the input, ``"pose"``.
+    value
+        Coordinates of the pose.
+    residual
+        By how much the joint is torn apart, a length.
+    index
+        Which of the poses it is, the first of them.
+    """
+
+    def __init__(
+        self, name: str, value: tuple[float, ...], residual: float, index: tuple[int, ...]
+    ) -> None:
+        where = f"{name}{list(index)}" if index else name
+        allowed = f"a pose that the passive joint allows; there it is {residual:.6g} apart"
+        super().__init__(where, value, allowed)
+        self.residual = residual
+        self.index = index
+
+
+class SingularPoseError(AtlasError):
+    """A pose in which the inputs do not determine the motion or the forces.
+
+    Parameters
+    ----------
+    index
+        Which of the poses it is, the first of them; empty where there is only one.
+    ratio
+        Smallest over largest singular value of the Jacobian there.
+    """
+
+    def __init__(self, index: tuple[int, ...], ratio: float) -> None:
+        where = f"pose {list(index)}" if index else "the pose"
+        super().__init__(f"{where} is singular: the Jacobian has σ_min/σ_max = {ratio:.3g}")
+        self.index = index
+        self.ratio = ratio
+
+
 class InfeasiblePathError(AtlasError):
     """A path that a linkage cannot follow in one mode pair."""
 
