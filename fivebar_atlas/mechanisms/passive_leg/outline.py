@@ -348,7 +348,7 @@ def _snapped(theta: float, known: Sequence[float]) -> float:
 def level_curves(lengths: Lengths) -> list[ReachCurve]:
     """Return the curves on which an upper link may be level with the platform, leg by leg."""
     base, platform, l_a, l_b = lengths
-    arms = [platform + l_b, platform - l_b] if platform != l_b else [platform + l_b]
+    arms = (platform + l_b, platform - l_b)
     return [ReachCurve(base, arm, l_a, leg) for leg in (1.0, -1.0) for arm in arms]
 
 

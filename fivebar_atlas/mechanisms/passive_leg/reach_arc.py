@@ -70,6 +70,8 @@ class ReachCurve:
 
     def angles_at_no_length(self) -> tuple[float, ...]:
         """Return the angles at which l = 0 on one of the sheets, or on both."""
+        if self.arm == 0.0:  # C itself: none, or all angles
+            return ()
         cosine = (self.base**2 + self.arm**2 - self.reach**2) / (2.0 * self.base * self.arm)
         if abs(cosine) > 1.0:
             return ()
