@@ -43,9 +43,10 @@ def get(name: str) -> Mechanism:
 def unknown_name(
     mechanism: Mechanism, name: str, value: str, known: Iterable[str]
 ) -> UnknownNameError:
-    """Return the error for a name that the mechanism of a file does not have.
+    """Return the error for a name that is not among those known of the mechanism of a file.
 
-    It says of which mechanism it is a quantity, a parameter or a mode pair, if it is of any.
+    It says of which mechanism it is a quantity, a parameter or a mode pair, if it is of another
+    one only: the mechanism itself may have it, too, and in the wrong place, such as a category.
     """
     others = {each: get(each).kind_of(value) for each in names() if each != mechanism.name}
     owners = {each: kind for each, kind in others.items() if kind}
