@@ -202,7 +202,7 @@ def test_all_inverse_solutions_are_told_with_mode_angles_and_lci() -> None:
         ]
         wrapped = [math.remainder(angle, 360.0) for angle in angles]
         one, two = (f"{round(angle, 2):.6g}".replace("-", "\N{MINUS SIGN}") for angle in wrapped)
-        assert rf"$\theta_1$ = {one}°, $\theta_2$ = {two}°" in text
+        assert rf"$\theta_{{1}}$ = {one}°, $\theta_{{2}}$ = {two}°" in text
 
 
 def test_both_forward_solutions_are_drawn_from_the_same_cranks() -> None:
@@ -220,7 +220,7 @@ def test_both_forward_solutions_are_drawn_from_the_same_cranks() -> None:
     cranks = lines(figure, "link-2")
     np.testing.assert_array_equal(cranks[0], cranks[1])
     assert "mode +\N{MINUS SIGN}/up" in written(figure)
-    assert r"$\theta_1$ = 110°, $\theta_2$ = 50°" in written(figure)
+    assert r"$\theta_{1}$ = 110°, $\theta_{2}$ = 50°" in written(figure)
 
 
 def test_angle_arcs_run_from_the_direction_of_x_to_the_cranks() -> None:
@@ -242,7 +242,7 @@ def test_every_part_of_the_linkage_is_named() -> None:
         each.get_text() for each in texts(figure) if each.get_fontsize() == style.REGION_SIZE
     ]
     expected = ["$A_1$", "$A_2$", "$B_1$", "$B_2$", "$P$", "$O$", "$R_3$"]
-    expected += ["$R_1$", "$R_2$"] * 2 + [r"$\theta_1$", r"$\theta_2$"]
+    expected += ["$R_1$", "$R_2$"] * 2 + [r"$\theta_{1}$", r"$\theta_{2}$"]
     assert sorted(symbols) == sorted([*expected, *(s for s in symbols if "mm" in s)])
 
 
