@@ -40,16 +40,16 @@ IndexArray = npt.NDArray[np.int64]
 ONE_SIGN, PASSIVE_JOINTS = 1, 2
 #: Most intervals in a column; more than five have not been seen.
 MAX_INTERVALS = 8
-#: Samples along an interval.
-SAMPLES = 20
+#: Samples along an interval: evenly, and one next to either end, so that a turning point between it
+#: and the end is seen.
+SAMPLES, _NEXT_TO_END = 22, 0.005
 # Most roots along an interval.
 _MAX_ROOTS = 24
 # Bracket in v at which a root is found; steps of a root and of a turning point.
 _ROOT, _MAX_STEPS, _TURNING_STEPS = 1e-14, 60, 30
-# A turning point counts if the parabola through its samples comes this near to zero, as a share
-# of the middle one, or if that is less than a share of the other two: then the parabola need not
-# tell.
-_NEAR, _SMALL = 0.5, 0.25
+# The search for a turning point is over where the parabola through its samples, bent so many times
+# as much, does not come to zero any more.
+_BENT = 50.0
 # Roots closer to an end in v than this, some 1e-11 of the interval in l, are rounding at the end.
 _AT_END = 2e-6
 # Closer to O columns are rounding where R - r = l_b - l_a: there legs are folded in all poses.
@@ -114,8 +114,9 @@ COLUMN = record_type(
 
 
 def set_samples(column: Column) -> None:
-    """Fill in where intervals are sampled: at their ends and evenly in between."""
-    column.sample_v[:] = np.linspace(0.0, 1.0, SAMPLES)
+    """Fill in where intervals are sampled: at their ends, next to them and evenly in between."""
+    even = np.linspace(0.0, 1.0, SAMPLES - 2)
+    column.sample_v[:] = np.sort([*even, _NEXT_TO_END, 1.0 - _NEXT_TO_END])
 
 
 @kernel
@@ -202,13 +203,13 @@ def _bracket_roots(
             before, here, after = sign * before, sign * here, sign * after
             if before < here or after < here or min(before, after) <= 0.0:
                 continue
-            bend = before - 2.0 * here + after
-            slope = 0.5 * (after - before)
-            is_small = here < _SMALL * min(before, after)
-            if bend <= 0.0 or not (is_small or here - 0.5 * slope * slope / bend < _NEAR * here):
-                continue
-            # walk down to the turning point by golden sections, until below zero or flat
             left, right = col.sample_v[j - 1], col.sample_v[j + 1]
+            one = (here - before) / (col.sample_v[j] - left)
+            other = (after - here) / (right - col.sample_v[j])
+            bend = (other - one) / (right - left)
+            if bend <= 0.0:
+                continue
+            # walk down to the turning point by golden sections, until below zero or sure not to be
             x1, x2 = left + 0.381966011250105 * (right - left), 0.0
             x2 = left + right - x1
             y1, y2 = 0.0, 0.0
@@ -244,6 +245,8 @@ def _bracket_roots(
                             col.bracket[count, 1], col.bracket[count, 2] = v, sign * at
                             col.bracket[count, 3], col.bracket[count, 4] = trial, sign * value
                             count += 1
+                    break
+                if step > 0 and min(y1, y2) > _BENT * bend * (right - left) ** 2:
                     break
     return count
 
