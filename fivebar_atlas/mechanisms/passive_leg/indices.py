@@ -689,9 +689,14 @@ def largest_lci(
     w: Integrals, r: float, l_a: float, l_b: float, theta_limit: float,
     elbow1: float, elbow2: float, sign: float, conditions: int,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the largest LCI, and l and θ there: an isotropic point, or near the best node."""
+    """Return the largest LCI, and l and θ there: an isotropic point, or near the best node.
+
+    NaN where there are no nodes.
+    """
     best, length, theta = w.best[0], w.best[1], w.best[2]
     step = _FIRST_STEP
+    if best < 0.0:
+        return math.nan, math.nan, math.nan
     if w.isotropic_count[0] > 0 and best > _NEARLY_ISOTROPIC:
         return 1.0, w.isotropic[0, 0], w.isotropic[0, 1]
     while step > _LAST_STEP:
