@@ -33,10 +33,12 @@ Nam, Park, "Kinematics and Optimization of 2-DOF Parallel Manipulator with Revol
 Passive Leg", Journal of Mechanical Science and Technology 20 (2006) 828-839.
 """
 
+import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -237,17 +239,20 @@ class Cells(NamedTuple):
     """Centres of cells in length and angle, and their sizes."""
 
     length: Array  # shape (n, 1)
-    theta: Array  # shape (n,)
+    theta: Array  # shape (2 n,)
     planar: Array  # l dl dθ, shape (n, 1)
     flat: float  # dl dθ
 
 
 def cells_of(m: Machine, limit: float, n: int) -> Cells:
-    """Cells, n each way, of the box around the reachable workspace."""
+    """Cells, n lengths by 2 n angles, of the box around the reachable workspace.
+
+    With as many angles as lengths, parts that touch in a point at l = 0 may look like one.
+    """
     # no pose has l + abs(sin θ) > l_a + l_b
-    step, turn = (m.l_a + m.l_b) / n, 2.0 * limit / n
+    step, turn = (m.l_a + m.l_b) / n, limit / n
     length = (step * (np.arange(n) + 0.5))[:, None]
-    theta = turn * (np.arange(n) + 0.5 - 0.5 * n)
+    theta = turn * (np.arange(2 * n) + 0.5 - n)
     return Cells(length, theta, length * step * turn, step * turn)
 
 
@@ -275,6 +280,22 @@ def meets_singularity(m: Machine, cells: Cells, reachable: Mask, usable: Mask) -
     return bool((ndimage.binary_dilation(usable) & beyond).any())
 
 
+def _sum_and_mean(weight: Array, value: Array, region: Mask) -> tuple[float, float, float, float]:
+    """Area of cells with its error, and the mean of a value over them with its error.
+
+    The errors are what comes of a third of a cell that is wrong at random all along the border.
+    """
+    share, value = weight[region], value[region]
+    border = (region & ~ndimage.binary_erosion(region))[region]
+    total = float(share.sum())
+    if total == 0.0:
+        return 0.0, 0.0, math.nan, math.nan
+    mean = float(share @ value) / total
+    doubt = share[border], share[border] * (value[border] - mean) / total
+    area_error, error = (0.3 * math.sqrt(float(each @ each)) for each in doubt)
+    return total, area_error, mean, error
+
+
 def _of_cells(
     m: Machine, limit: float, thresholds: Sequence[float], n: int
 ) -> dict[str, tuple[float, float]]:
@@ -290,13 +311,12 @@ def _of_cells(
     found = {}
     for suffix, size in (("", cells.planar), ("_l_theta", np.full_like(cells.planar, cells.flat))):
         weight = np.broadcast_to(size, lci.shape)
-        found[f"workspace_area{suffix}"] = float(weight[reachable].sum()), 0.0
+        found[f"workspace_area{suffix}"] = _sum_and_mean(weight, lci, reachable)[:2]
         for area, gci, gmi, region in regions:
-            total = float(weight[region].sum())
-            found[area + suffix] = total, 0.0
             for name, value in ((gci, lci), (gmi, manipulability)):
-                mean = float((weight * value)[region].sum()) / total if total > 0 else math.nan
-                found[name + suffix] = mean, 0.0
+                total, area_error, mean, error = _sum_and_mean(weight, value, region)
+                found[area + suffix] = total, area_error
+                found[name + suffix] = mean, error
         if singular:
             found[f"gmi{suffix}"] = math.inf, 0.0
     found["max_lci"] = math.nan, math.nan
@@ -335,25 +355,27 @@ def grid_indices(
     thresholds : sequence of float
         LCI thresholds of the good-condition workspace.
     n : int
-        Cells each way.
+        Lengths; there are twice as many angles.
 
     Returns
     -------
     dict
-        The keys of `reference_indices`, without ``runner_up_area``. Error estimates are twice the
-        largest difference from two coarser grids. Slivers and necks thinner than a cell are beyond
-        it, and so are singularities closer than a cell to another boundary.
+        The keys of `reference_indices`, without ``runner_up_area``. Error estimates are three
+        times the largest difference from three coarser grids. Slivers and necks thinner than a cell
+        are beyond it, and so are singularities closer than a cell to another boundary.
     """
     m = machine(r, l_a, l_b, mode, passive_joint_limits)
     limit = math.radians(theta_limit)
     # the quotients are not those of small numbers, lest boundaries meet all grids alike
-    fine, *coarse = (_of_cells(m, limit, thresholds, k) for k in (n, round(0.73 * n), n // 2 + 1))
+    fine, *coarse = (
+        _of_cells(m, limit, thresholds, k) for k in (n, round(0.73 * n), round(0.61 * n), n // 2)
+    )
     result = {}
     for name, (value, doubt) in fine.items():
         result[name] = value
         others = [other[name][0] for other in coarse]
         spread = 0.0 if math.isinf(value) else max(abs(value - other) for other in others)
-        result[f"{name}_error"] = max(doubt, 2.0 * spread)
+        result[f"{name}_error"] = max(doubt, 3.0 * spread)
     _add_utilisation(result, physical_size(r, l_a, l_b))
     return result
 
@@ -380,6 +402,8 @@ def _add_utilisation(result: dict[str, Any], size: float) -> None:
 ZERO, OUTER1, OUTER2, INNER1, INNER2, LEVEL1, LEVEL2, SINGULAR = range(8)
 #: Intervals of lengths that are shorter are rounding.
 SHORTEST = 1e-13
+#: Strips of angles that are narrower are rounding, where several curves meet.
+NARROWEST = 1e-10
 #: Parts that hang together over less are two.
 THINNEST = 1e-7
 #: With l_b - l_a = R - r the curves of `candidates` meet at l = θ = 0, where rounding decides on
@@ -408,6 +432,11 @@ def cluster(t: ArrayLike) -> Array:
     """Map [0, 1] onto itself so that square roots at both ends become polynomials."""
     t = np.asarray(t, float)
     return t * t * (3.0 - 2.0 * t)
+
+
+def rounding(theta: Array) -> Array:
+    """Lengths that are nothing but rounding; more next to the axis, where l_a - l_b = r - R."""
+    return np.maximum(SHORTEST, 1e-15 / np.abs(theta))
 
 
 def candidates(m: Machine, theta: Array) -> tuple[Array, Array]:
@@ -440,7 +469,7 @@ def candidates(m: Machine, theta: Array) -> tuple[Array, Array]:
             lengths += [middle - half, middle + half]
             kinds += [kind, kind]
     length = np.stack(lengths, axis=1)
-    length[:, 1:][length[:, 1:] <= 0.0] = np.nan
+    length[:, 1:][length[:, 1:] <= rounding(theta)[:, None]] = np.nan
     order = np.argsort(length, axis=1, kind="stable")
     return np.take_along_axis(length, order, axis=1), np.array(kinds)[order]
 
@@ -512,6 +541,10 @@ def columns(m: Machine, theta: Array, samples: int) -> list[Column]:
         return -m.assembly * pose(m, at, theta[i[row]]).det_x
 
     row, root = sign_changes(signed, low, high, samples)
+    # a change at an end itself is rounding, as at l = 0 with r = l_a = l_b = 1
+    least = rounding(theta[i[row]])
+    inner = (root - low[row] > least) & (high[row] - root > least)
+    row, root = row[inner], root[inner]
     # from every end and root to the next one
     owner = np.concatenate([np.arange(i.size), row, np.arange(i.size)])
     cut = np.concatenate([low, root, high])
@@ -668,7 +701,7 @@ def strips_of(m: Machine, limit: float, theta: Array, samples: int) -> list[Stri
                     strips.append(Strip(a, float(cut), first, before))
                     a, first = float(cut), after
             strips.append(Strip(a, b, first, last))
-    return strips
+    return [strip for strip in strips if strip.right - strip.left > NARROWEST]
 
 
 @dataclass(frozen=True)
@@ -691,13 +724,13 @@ def components(strips: Sequence[Strip], m: Machine, samples: int) -> list[Compon
         return k
 
     for n, (left, right) in enumerate(pairwise(strips)):
-        if right.left - left.right > 1e-9:
-            continue
         one, other = left.last, right.first
+        # what shrinks to nothing at the axis is of the order of CORE next to it
+        least = 100.0 * CORE if right.left == 0.0 else THINNEST
         for j in range(left.number):
             for k in range(right.number):
                 shared = min(one.high[j], other.high[k]) - max(one.low[j], other.low[k])
-                if shared > THINNEST:
+                if shared > least:
                     parent[root(int(starts[n]) + j)] = root(int(starts[n + 1]) + k)
 
     area, turned = np.zeros(len(parent)), np.zeros(len(parent))
@@ -727,9 +760,6 @@ def components(strips: Sequence[Strip], m: Machine, samples: int) -> list[Compon
 # --------------------------------------------------------------------------------------------------
 # Reference: integrals
 # --------------------------------------------------------------------------------------------------
-
-#: Strips that are narrower have no area to speak of; they only join parts.
-NARROWEST = 1e-11
 
 
 def level_pieces(
@@ -824,8 +854,7 @@ def integrals(
     finite = not is_singular(strips, component)
     cells: dict[int, list[int]] = {}
     for n, j in component.cells:
-        if strips[n].right - strips[n].left > NARROWEST:
-            cells.setdefault(n, []).append(j)
+        cells.setdefault(n, []).append(j)
     # roughly; the tolerance of columns is below that of strips
     tolerance = settings.rtol * max(component.area, 1e-12) * np.ones(6)
     shape = (1 + len(thresholds), 6)
@@ -899,11 +928,7 @@ def _intervals(column: Column, strip: Strip, wanted: Sequence[int]) -> list[int]
 
 def is_singular(strips: Sequence[Strip], component: Component) -> bool:
     """Tell whether a curve on which det J_x = 0 bounds a component."""
-    return any(
-        SINGULAR in strips[n].first.kinds[j]
-        for n, j in component.cells
-        if strips[n].right - strips[n].left > NARROWEST
-    )
+    return any(SINGULAR in strips[n].first.kinds[j] for n, j in component.cells)
 
 
 def largest_lci(m: Machine, strips: Sequence[Strip], component: Component, samples: int) -> float:
@@ -916,8 +941,6 @@ def largest_lci(m: Machine, strips: Sequence[Strip], component: Component, sampl
     found = 0.0
     for n, j in component.cells:
         strip = strips[n]
-        if strip.right - strip.left <= NARROWEST:
-            continue
         for x, column in zip(t, columns(m, strip.place(t), samples), strict=True):
             if column.kinds == strip.first.kinds:
                 length = column.low[j] + t * (column.high[j] - column.low[j])
@@ -1086,3 +1109,77 @@ def _run(
     found["max_lci"] = highest, 1e-8
     found["runner_up_area"] = runner_up, 1e-9
     return found
+
+
+# --------------------------------------------------------------------------------------------------
+# Reference values on file
+# --------------------------------------------------------------------------------------------------
+
+REFERENCE_FILE = Path(__file__).parent / "baselines" / "passive_leg_reference.json"
+
+#: Designs of the file: of l_a = l_b - 1 + r and others, all mode pairs but mirror images.
+CASES: tuple[dict[str, Any], ...] = (
+    {"design": (1.2, 1.4, 1.2)},
+    {"design": (1.2, 1.4, 1.2), "theta_limit": 60.0, "thresholds": (0.5,)},
+    {"design": (0.9, 1.1, 1.2), "thresholds": (0.3,)},
+    {"design": (1.2, 1.1, 0.9), "thresholds": (0.3, 0.7)},
+    {"design": (1.0, 1.0, 1.0)},
+    {"design": (2.0, 1.5, 0.5), "passive_joint_limits": False},
+    {"design": (0.6, 0.8, 1.2), "theta_limit": 45.0},
+    {"design": (1.5, 0.8, 1.3), "thresholds": (0.4,)},
+    {"design": (1.5, 0.8, 1.3), "passive_joint_limits": False},
+    {"design": (0.7, 1.6, 1.5)},
+    {"design": (0.7, 1.6, 1.5), "passive_joint_limits": False},
+    {"design": (1.3, 0.9, 1.6), "mode": "+-/down", "passive_joint_limits": False},
+    {"design": (0.8, 1.2, 1.0), "mode": "-+/up", "passive_joint_limits": False},
+    {"design": (1.4, 0.9, 1.2), "mode": "-+/down", "passive_joint_limits": False},
+    {"design": (1.0, 1.7, 1.1), "mode": "++/up"},
+    {"design": (1.2, 1.0, 0.8), "mode": "++/up", "passive_joint_limits": False},
+    {"design": (0.7, 1.4, 0.9), "mode": "--/down", "passive_joint_limits": False},
+)
+
+
+def options_of(case: dict[str, Any]) -> dict[str, Any]:
+    """Everything of a case but the design, as keyword arguments, with the defaults."""
+    options: dict[str, Any] = {
+        "mode": "+-/up",
+        "theta_limit": 90.0,
+        "passive_joint_limits": True,
+        "thresholds": (),
+    }
+    return {name: case.get(name, default) for name, default in options.items()}
+
+
+def write_reference_file(path: Path = REFERENCE_FILE) -> None:
+    """Compute all cases and write them; a minute. NaN is null, infinity the text "inf"."""
+    cases = []
+    for case in CASES:
+        options = options_of(case)
+        values = {
+            name: None if math.isnan(value) else "inf" if math.isinf(value) else value
+            for name, value in reference_indices(*case["design"], **options).items()
+        }
+        cases.append({"design": case["design"], **options, "values": values})
+    text = {
+        "description": (
+            "Computed by tests/naive_passive_leg.py, reference_indices, not printed anywhere; "
+            "design: r, l_a, l_b with R = 1; *_error: absolute error estimate"
+        ),
+        "cases": cases,
+    }
+    path.write_text(json.dumps(text, indent=1) + "\n")
+
+
+def read_reference_file(path: Path = REFERENCE_FILE) -> list[dict[str, Any]]:
+    """Read the cases back, each with ``design``, the options and ``values``, all floats."""
+    cases: list[dict[str, Any]] = json.loads(path.read_text())["cases"]
+    for case in cases:
+        case["values"] = {
+            name: math.nan if value is None else float(value)
+            for name, value in case["values"].items()
+        }
+    return cases
+
+
+if __name__ == "__main__":
+    write_reference_file()

@@ -10,11 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 from naive_passive_leg import (
+    CASES,
     MODE_PAIRS,
     Array,
     Machine,
+    angles_to_look_at,
     base_joints,
     columns,
+    components,
     conditioning,
     cross,
     dot,
@@ -22,15 +25,23 @@ from naive_passive_leg import (
     inverse_kinematics,
     jacobian,
     machine,
+    options_of,
     physical_size,
     pinches,
     platform_axes,
     platform_joints,
     pose,
     reached,
+    read_reference_file,
     reference_indices,
+    strips_of,
 )
 from scipy import integrate
+
+
+def describe(case: dict[str, Any]) -> str:
+    limited = "limits" if case["passive_joint_limits"] else "free"
+    return " ".join([*map(str, case["design"]), case["mode"], f"{case['theta_limit']:g}", limited])
 
 
 def random_poses(m: Machine, rng: np.random.Generator, n: int) -> tuple[Array, Array]:
@@ -165,39 +176,53 @@ def test_reference_is_a_plain_rule_where_the_region_is_simple() -> None:
         assert found[f"gmi{suffix}"] == pytest.approx(mean, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("design", "options"),
-    [
-        ((0.9, 1.1, 1.2), {"thresholds": (0.5,), "theta_limit": 80.0}),
-        ((1.5, 0.8, 1.3), {"theta_limit": 60.0, "passive_joint_limits": False}),
-        ((1.0, 1.7, 1.1), {"mode": "++/up"}),
-    ],
-)
-def test_grid_and_reference_agree(
-    design: tuple[float, float, float], options: dict[str, Any]
-) -> None:
-    exact = reference_indices(*design, **options, rtol=1e-8)
-    rough = grid_indices(*design, **options, n=360)
+@pytest.mark.parametrize("case", read_reference_file(), ids=describe)
+def test_grid_agrees_with_the_reference_on_file(case: dict[str, Any]) -> None:
+    exact = case["values"]
+    rough = grid_indices(*case["design"], **options_of(case), n=200)
     assert exact["usable_workspace_area"] > 0.1
     for name, value in rough.items():
         if name.endswith("_error"):
             continue
-        assert exact[f"{name}_error"] <= 1e-7
+        assert exact[f"{name}_error"] <= 1e-8
         if math.isinf(value):
-            assert exact[name] == value
+            assert exact[name] == value, name
         else:
-            assert abs(value - exact[name]) <= rough[f"{name}_error"] + 1e-9
-            assert rough[f"{name}_error"] < (0.3 if name == "max_lci" else 0.02)
+            assert abs(value - exact[name]) <= rough[f"{name}_error"] + 1e-9, name
+            assert rough[f"{name}_error"] < (0.4 if name == "max_lci" else 0.05), name
 
 
-def test_mirrored_working_modes_are_equal() -> None:
-    options: dict[str, Any] = {"passive_joint_limits": False, "rtol": 1e-7}
-    one = reference_indices(1.2, 1.0, 0.8, "++/up", **options)
-    other = reference_indices(1.2, 1.0, 0.8, "--/up", **options)
-    assert one["usable_workspace_area"] > 0.5
-    for name, value in one.items():
+@pytest.mark.parametrize("number", [1, 7])
+def test_reference_is_that_on_file(number: int) -> None:
+    case = read_reference_file()[number]
+    found = reference_indices(*case["design"], **options_of(case), rtol=1e-7)
+    assert found.keys() == case["values"].keys()
+    for name, value in case["values"].items():
         if not name.endswith("_error"):
-            assert other[name] == pytest.approx(value, abs=1e-8), name
+            doubt = found.get(f"{name}_error", 1e-8)
+            assert found[name] == pytest.approx(value, abs=doubt + 1e-9), name
+            assert doubt < 1e-5, name
+
+
+def test_file_holds_the_cases() -> None:
+    for case, on_file in zip(CASES, read_reference_file(), strict=True):
+        assert list(case["design"]) == on_file["design"]
+        assert {**options_of(case), "thresholds": list(case.get("thresholds", ()))} == (
+            options_of(on_file)
+        )
+
+
+@pytest.mark.parametrize("assembly", ["up", "down"])
+def test_mirrored_working_modes_have_mirrored_parts(assembly: str) -> None:
+    found = []
+    for working in ("++", "--"):
+        m = machine(1.2, 1.0, 0.8, f"{working}/{assembly}", False)
+        strips = strips_of(m, np.pi / 2, angles_to_look_at(m, np.pi / 2, 200), 64)
+        found.append([part for part in components(strips, m, 64) if part.area > 1e-6])
+    assert found[0]
+    for one, other in zip(*found, strict=True):
+        assert one.area == pytest.approx(other.area, abs=1e-8)
+        assert one.turned == pytest.approx(-other.turned, abs=1e-8)
 
 
 def test_parts_that_touch_in_a_point_are_two() -> None:
