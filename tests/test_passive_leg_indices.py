@@ -1,173 +1,232 @@
-"""Workspaces and indices of the passive-leg manipulator: against a reference, and against itself.
+"""Indices of the manipulator with a passive leg: against reference values, and how they behave."""
 
-The reference values are those of ``naive_passive_leg.reference_indices``, which shares nothing with
-the package: vectors in x and y, columns followed by brute force, its own quadrature and errors.
-"""
-
-from __future__ import annotations
-
-import concurrent.futures
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
-from naive_passive_leg import read_reference_file
+from naive_passive_leg import MODE_PAIRS, read_reference_file
 
-from fivebar_atlas import mechanisms
 from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.passive_leg.evaluation import (
+    TOLERANCE_NOT_REACHED,
+    UNBOUNDED_MANIPULABILITY,
+)
+from fivebar_atlas.mechanisms.passive_leg.mechanism import PassiveLegMechanism
+from fivebar_atlas.numerics.quadrature import gauss_kronrod, null_rules
 
-MECHANISM = mechanisms.get("passive-leg")
+MECHANISM = PassiveLegMechanism()
 CASES = read_reference_file()
-#: The names of the reference's good-condition values, by those of the package.
+#: Dataset names of the indices of the whole workspace, as the reference names them, too.
+WHOLE = (
+    "usable_workspace_area",
+    "gci",
+    "gmi",
+    "space_utilisation",
+    "gci_l_theta",
+    "gmi_l_theta",
+    "space_utilisation_l_theta",
+)
 GOOD = {
     "good_condition_workspace_area": "good_condition_area",
     "good_condition_gci": "good_condition_gci",
     "good_condition_gmi": "good_condition_gmi",
 }
-INTEGRATED = [quantity for quantity in MECHANISM.quantities if quantity.has_error]
-
-Results = dict[str, npt.NDArray[Any]]
 
 
-def evaluated(
-    designs: npt.ArrayLike,
-    mode: str = "+-/up",
-    thresholds: tuple[float, ...] = (0.5,),
-    tolerance: float = 1e-8,
-    **options: float | bool,
-) -> Results:
+def evaluate(
+    designs: Any,
+    modes: tuple[str, ...] = ("+-/up",),
+    thresholds: tuple[float, ...] = (),
+    tolerance: float = 1e-4,
+    theta_limit: float = 90.0,
+    passive_joint_limits: bool = True,
+) -> dict[str, Any]:
     settings = SweepSettings(
-        "passive-leg", "conditioned", 2, (mode,), thresholds, tolerance, tuple(options.items())
+        mechanism="passive-leg",
+        space="conditioned",
+        resolution=10,
+        modes=modes,
+        lci_thresholds=thresholds,
+        tolerance=tolerance,
+        options=(
+            ("theta_limit", theta_limit),
+            ("passive_joint_limits", passive_joint_limits),
+        ),
     )
-    return MECHANISM.evaluate(np.atleast_2d(designs), settings)
+    return MECHANISM.evaluate(np.asarray(designs, dtype=np.float64), settings)
 
 
-def random_designs(count: int, seed: int) -> npt.NDArray[np.float64]:
-    """Return designs of the conditioned space."""
-    points = 0.5 + 1.5 * np.random.default_rng(seed).random((count, 2))
-    return MECHANISM.unproject(points, "conditioned")
+def random_designs(seed: int, count: int) -> Any:
+    """Conditioned designs, and as many free ones that can be assembled."""
+    rng = np.random.default_rng(seed)
+    found: list[tuple[float, float, float]] = []
+    while len(found) < 2 * count:
+        r, l_a, l_b = rng.uniform(0.5, 2.0, 3)
+        if len(found) < count:
+            l_a = l_b - 1.0 + r
+        if l_a > 0.05 and l_a + l_b > abs(1.0 - r) + 0.05:
+            found.append((r, l_a, l_b))
+    return np.array(found)
 
 
-def doubts(results: Results, name: str) -> npt.NDArray[np.float64]:
-    return np.asarray(results[f"{name}_error"]).ravel()
+def describe(case: dict[str, Any]) -> str:
+    limited = "limits" if case["passive_joint_limits"] else "free"
+    return " ".join([*map(str, case["design"]), case["mode"], f"{case['theta_limit']:g}", limited])
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case['design']} {case['mode']}")
-def test_values_and_errors_hold_against_the_reference(case: dict[str, Any]) -> None:
+@pytest.mark.parametrize("case", CASES, ids=describe)
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+def test_agreement_with_the_reference(case: dict[str, Any], tolerance: float) -> None:
     thresholds = tuple(case["thresholds"])
-    results = evaluated(
-        case["design"],
-        case["mode"],
+    found = evaluate(
+        [case["design"]],
+        (case["mode"],),
         thresholds,
-        theta_limit=case["theta_limit"],
-        passive_joint_limits=case["passive_joint_limits"],
+        tolerance,
+        case["theta_limit"],
+        case["passive_joint_limits"],
     )
     reference = case["values"]
-    compared = 0
-    for quantity in INTEGRATED:
-        values, errors = results[quantity.name].ravel(), doubts(results, quantity.name)
-        names = (
-            [f"{GOOD[quantity.name]}_{threshold:g}" for threshold in thresholds]
-            if quantity.name in GOOD
-            else [quantity.name]
-        )
-        for name, value, error in zip(names, values, errors, strict=True):
-            if name not in reference:
-                continue
-            expected = reference[name]
-            if not np.isfinite(expected):
-                assert np.isnan(value), name
-            else:
-                # within 1e-6 of O columns are not looked at
-                doubt = error + reference[f"{name}_error"] + 1e-11
-                assert abs(value - expected) <= doubt, name
-            compared += 1
-    assert compared >= 6
+    assert not found["status"][0, 0] & TOLERANCE_NOT_REACHED
+
+    def compare(value: float, error: float, name: str, size: float) -> None:
+        expected = reference[name]
+        if np.isnan(value):
+            assert expected is None or not np.isfinite(expected), name
+            return
+        doubt = max(reference[f"{name}_error"], 3e-12 * abs(expected))
+        assert abs(value - expected) <= error + doubt, name
+        assert error <= 1.3 * tolerance * size, name
+
+    compare(
+        found["workspace_area"][0],
+        found["workspace_area_error"][0],
+        "workspace_area",
+        reference["workspace_area"],
+    )
+    for name in WHOLE:
+        value, error = found[name][0, 0], found[f"{name}_error"][0, 0]
+        # a mean has the errors of two integrals
+        compare(value, error, name, 2.0 * abs(value))
+    for k, threshold in enumerate(thresholds):
+        for name, other in GOOD.items():
+            value, error = found[name][0, 0, k], found[f"{name}_error"][0, 0, k]
+            size = reference["usable_workspace_area"] if name.endswith("area") else np.inf
+            compare(value, error, f"{other}_{threshold:g}", size)
+    unbounded = bool(found["status"][0, 0] & UNBOUNDED_MANIPULABILITY)
+    assert unbounded == np.isinf(reference["gmi"] or 0.0)
 
 
-@pytest.mark.parametrize("mode", ["+-/up", "-+/down", "++/up"])
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6])
-def test_stated_errors_hold(mode: str, tolerance: float) -> None:
-    designs = random_designs(40, 31)
-    rough, fine = evaluated(designs, mode, tolerance=tolerance), evaluated(designs, mode)
-    wrong, count = 0, 0
-    for quantity in INTEGRATED:
-        name = quantity.name
-        differences = np.abs(rough[name] - fine[name]).ravel()
-        exist = np.isfinite(differences)
-        allowed = doubts(rough, name) + doubts(fine, name) + 1e-13
-        wrong += int(np.sum(differences[exist] > allowed[exist]))
-        count += int(exist.sum())
-    assert count > 200
-    assert wrong <= 0.005 * count
+@pytest.mark.parametrize("limits", [True, False])
+def test_errors_hold_but_for_rare_ones(limits: bool) -> None:
+    designs = random_designs(3, 8)
+    close = evaluate(designs, MODE_PAIRS, (0.2, 0.5), 1e-8, passive_joint_limits=limits)
+    for tolerance in (1e-3, 1e-5):
+        rough = evaluate(designs, MODE_PAIRS, (0.2, 0.5), tolerance, passive_joint_limits=limits)
+        for name in (*WHOLE, *GOOD):
+            value, other = rough[name], close[name]
+            is_there = ~np.isnan(other) & ~np.isnan(value)
+            off = np.abs(value - other)[is_there]
+            allowed = (rough[f"{name}_error"] + close[f"{name}_error"])[is_there]
+            fails = np.mean(off > allowed + 1e-14 * np.abs(other[is_there]))
+            assert fails <= 0.01, (name, tolerance)
+            if name in ("usable_workspace_area", "gci"):
+                assert np.all(off <= 2.0 * tolerance * other[is_there]), (name, tolerance)
 
 
-def test_tolerances_are_kept() -> None:
-    designs = random_designs(60, 8)
-    for tolerance in (1e-4, 1e-6):
-        results = evaluated(designs, tolerance=tolerance)
-        reached = results["status"][:, 0] & 4 == 0
-        assert reached.mean() > 0.95
-        for name in ("usable_workspace_area", "gci"):
-            share = results[f"{name}_error"][:, 0] / results[name][:, 0]
-            assert np.all(share[reached] <= 2.0 * tolerance)
+def test_parts_that_touch_in_the_middle_of_the_base_are_two() -> None:
+    """In "++/down" the forward singularity passes through O twice; the reference agrees."""
+    found = evaluate([(1.9049647, 0.7326954, 1.2716995)], ("++/down",), passive_joint_limits=False)
+    finer = evaluate(
+        [(1.9049647, 0.7326954, 1.2716995)],
+        ("++/down",),
+        tolerance=1e-8,
+        passive_joint_limits=False,
+    )
+    assert found["usable_workspace_area"][0, 0] == pytest.approx(0.8039716, abs=2e-6)
+    assert finer["usable_workspace_area"][0, 0] == pytest.approx(
+        found["usable_workspace_area"][0, 0], abs=1e-6
+    )
+
+
+def test_slivers_beside_straight_legs_belong_to_the_workspace() -> None:
+    """A forward singularity that turns back next to the stretched leg, or next to O, is seen."""
+    for design, area in (
+        ((1.084854948078973, 0.8319771256059578, 0.7471221775269847), 1.3523175627877),
+        ((0.7860404080324349, 1.9560619079980575, 2.1700214999656224), 18.6112489487982),
+    ):
+        found = evaluate([design], tolerance=1e-8, passive_joint_limits=False)
+        assert found["usable_workspace_area"][0, 0] == pytest.approx(area, abs=1e-9)
+
+
+def test_nothing_is_claimed_where_columns_are_rounding() -> None:
+    """With R = r = l_a = l_b and elbows to one side J_x is singular all about O."""
+    found = evaluate([(1.0, 1.0, 1.0)], ("++/up",), (0.5,))
+    assert found["status"][0, 0] & TOLERANCE_NOT_REACHED
+    assert found["usable_workspace_area_error"][0, 0] >= 0.5
+    assert np.isnan(found["gci"][0, 0])
+    assert np.isnan(found["max_lci"][0, 0])
 
 
 def test_mirrored_modes_have_the_same_values() -> None:
-    designs = random_designs(10, 5)
-    for one, other in (("++/up", "--/up"), ("++/down", "--/down")):
-        here, there = (
-            evaluated(designs, one, tolerance=1e-5),
-            evaluated(designs, other, tolerance=1e-5),
-        )
-        for name in ("usable_workspace_area", "gci", "good_condition_gci", "max_lci_y"):
-            np.testing.assert_array_equal(here[name], there[name])
-        np.testing.assert_array_equal(here["max_lci_x"], -there["max_lci_x"])
+    designs = random_designs(4, 4)
+    for assembly in ("up", "down"):
+        found = evaluate(designs, (f"++/{assembly}", f"--/{assembly}"), (0.3,))
+        for name, values in found.items():
+            if values.ndim > 1:
+                turned = -1.0 if name == "max_lci_x" else 1.0
+                np.testing.assert_array_equal(values[:, 0], turned * values[:, 1], err_msg=name)
 
 
-def test_up_and_down_fill_the_workspace_of_symmetric_modes() -> None:
-    """Where there are just two parts, one of each sign."""
-    results = [
-        evaluated((1.2, 0.9, 1.3), f"-+/{name}", passive_joint_limits=False)
-        for name in ("up", "down")
-    ]
-    parts = sum(float(each["usable_workspace_area"][0, 0]) for each in results)
-    assert parts <= float(results[0]["workspace_area"][0]) * (1.0 + 1e-9)
+def test_scaling() -> None:
+    """Indices are those of a machine; areas and manipulability go with the square of its size."""
+    lengths = (2.5, 3.0, 3.0, 2.5)
+    designs, factor = MECHANISM.from_lengths(lengths)
+    assert factor == 2.5
+    whole = evaluate([designs], thresholds=(0.5,))
+    plane = MECHANISM.planar_design(lengths, "mm")
+    workspace = plane.usable_workspace("+-/up")
+    assert workspace is not None
+    area = float(whole["usable_workspace_area"][0, 0])
+    assert workspace.region.area == pytest.approx(factor**2 * area, rel=1e-9)
+    value, error = plane.good_condition_area(0.5, "+-/up")
+    expected = factor**2 * float(whole["good_condition_workspace_area"][0, 0, 0])
+    allowed = factor**2 * float(whole["good_condition_workspace_area_error"][0, 0, 0])
+    assert abs(value - expected) <= error + allowed
 
 
-def test_batches_threads_and_thresholds_give_the_same_bytes() -> None:
-    designs = random_designs(24, 77)
-    whole = evaluated(designs, thresholds=(0.3, 0.5), tolerance=1e-5)
-    with concurrent.futures.ThreadPoolExecutor(2) as pool:
-        parts = list(
-            pool.map(
-                lambda part: evaluated(part, thresholds=(0.3, 0.5), tolerance=1e-5),
-                np.array_split(designs, 5),
-            )
-        )
-    for name, values in whole.items():
-        together = np.concatenate([part[name] for part in parts])
-        assert together.tobytes() == values.tobytes(), name
+def test_the_same_bytes_in_one_batch_in_pieces_and_in_threads() -> None:
+    designs = random_designs(5, 6)
+
+    def rows(some: Any) -> dict[str, Any]:
+        return evaluate(some, ("+-/up", "++/down"), (0.2, 0.5, 0.7))
+
+    together = rows(designs)
+    pieces = [rows(designs[k : k + 1]) for k in range(len(designs))]
+    with ThreadPoolExecutor(2) as pool:
+        threads = list(pool.map(rows, [designs[:5], designs[5:]]))
+    for name, values in together.items():
+        for parts in (pieces, threads):
+            joined = np.concatenate([part[name] for part in parts])
+            assert joined.tobytes() == values.tobytes(), name
 
 
-def test_an_angle_limit_shrinks_the_workspace() -> None:
-    areas = [
-        float(evaluated((1.2, 1.4, 1.2), theta_limit=limit)["usable_workspace_area"][0, 0])
-        for limit in (10.0, 45.0, 90.0)
-    ]
-    assert areas == sorted(areas)
-    # a narrow wedge: half the square of the length times its angle
-    width = np.radians(2.0)
-    narrow = float(evaluated((1.2, 1.4, 1.2), theta_limit=1.0)["usable_workspace_area"][0, 0])
-    assert narrow == pytest.approx(0.5 * (2.6**2 - 0.2**2) * width, rel=0.02)
+def test_other_orders_of_the_thresholds_give_the_same_bytes() -> None:
+    designs = random_designs(6, 4)
+    one = evaluate(designs, ("+-/up", "-+/down"), (0.2, 0.5, 0.7))
+    other = evaluate(designs, ("+-/up", "-+/down"), (0.7, 0.2, 0.5))
+    for name, values in one.items():
+        picked = other[name][..., [1, 2, 0]] if values.ndim == 3 else other[name]
+        assert picked.tobytes() == values.tobytes(), name
 
 
-def test_what_does_not_exist_is_explained() -> None:
-    results = evaluated([[0.9, 1.1, 1.2], [1.2, 1.4, 1.2]])
-    assert results["status"][:, 0].tolist() == [8, 0]
-    assert np.isnan(results["gmi"][0, 0])
-    assert np.isfinite(results["good_condition_gmi"]).all()
-    empty = evaluated((2.0, 0.02, 0.5), "+-/up")
-    assert empty["status"][0, 0] & 1
-    assert empty["usable_workspace_area"][0, 0] == 0.0
+def test_null_rules_vanish_for_polynomials() -> None:
+    nodes = gauss_kronrod(7).nodes
+    rules = null_rules(7, 2)
+    powers = nodes[:, None] ** np.arange(15)
+    for k, rule in enumerate(rules):
+        np.testing.assert_allclose(rule @ powers[:, : 13 - k], 0.0, atol=1e-14)
+        assert abs(rule @ powers[:, 13 - k]) > 1e-9
+    difference = gauss_kronrod(7).weights - gauss_kronrod(7).gauss_weights
+    np.testing.assert_allclose(np.linalg.norm(rules, axis=1), np.linalg.norm(difference))

@@ -106,6 +106,8 @@ def integrate_workspace(
     is_half = elbow1 == -elbow2
     start = 0.0 if is_half else -theta_limit
     steps = GRID_STEPS if is_half else 2 * GRID_STEPS
+    if conditions == 0:  # columns in closed form
+        steps *= 4
     state, is_mirrored, has_forward = 1, False, False
     add_known_angles(w.runs, r, l_a, l_b, start, theta_limit, conditions)
     while True:
@@ -126,6 +128,11 @@ def integrate_workspace(
         # a kind of column between two of the grid is looked for again where it was met
         if state != 2 or not add_angle(w.runs, w.missed[0]):
             break
+    if state == 2 or not has_room:
+        # columns are rounding, as about O for R = r = l_a = l_b: nothing but the size is known
+        w.total[:] = math.nan
+        w.total_error[:] = math.nan
+        w.total[AREA] = w.total_error[AREA] = w.runs.part_area[part]
     copies = 2.0 if is_half and (is_mirrored or conditions == 0) else 1.0
     for k in range(len(w.total)):
         w.total[k] *= copies

@@ -26,6 +26,8 @@ from fivebar_atlas.planar_geometry import Arc, FloatArray, Point, mirror
 
 # Newton steps, and the residual, for R = 1, from which the next step leads to rounding.
 _STEPS, _RESIDUAL = 12, 1e-9
+# Damping of Newton's method, nothing but where derivatives vanish: R = r = l_a = l_b.
+_DAMPING = 1e-14
 # Poses closer than this are one: next to a fold columns miss what is between its branches.
 _SAME_POSE = 0.1
 # Distance from which on an end is extended, up to which it is; how near is on the curve.
@@ -110,7 +112,7 @@ def moved_onto(lengths: Lengths, nodes: FloatArray) -> FloatArray:
     """Return the points of the curve that Newton's method of least steps finds, shape (n, 4)."""
     for _ in range(_STEPS):
         values, slopes = residuals(lengths, nodes)
-        squares = slopes @ slopes.transpose(0, 2, 1)
+        squares = slopes @ slopes.transpose(0, 2, 1) + _DAMPING * np.eye(3)
         shares = np.linalg.solve(squares, values[:, :, None])
         nodes = nodes - (slopes.transpose(0, 2, 1) @ shares)[:, :, 0]
         if np.max(np.abs(values), initial=0.0) <= _RESIDUAL:

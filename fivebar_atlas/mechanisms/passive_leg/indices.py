@@ -402,20 +402,20 @@ def integrate_interval(
                     continue
                 start, end = low + width * cluster(one), low + width * cluster(other)
                 w.column_values[at] += 0.5 * (end - start) * (end + start)
-                k0, k1, g0, g1 = 0.0, 0.0, 0.0, 0.0
+                p0, p1, q0, q1 = 0.0, 0.0, 0.0, 0.0
                 for j in range(NODES):
                     v = one + (other - one) * w.nodes[j]
                     length = low + width * cluster(v)
                     first, second = local_indices(1.0, r, l_a, l_b, length, c, s, elbow1, elbow2)
                     slope = length * width * cluster_slope(v) * (other - one)
-                    k0 += slope * w.weights[j] * first
-                    k1 += slope * w.weights[j] * second
-                    g0 += slope * w.gauss_weights[j] * first
-                    g1 += slope * w.gauss_weights[j] * second
-                w.column_values[at + 1] += k0
-                w.column_values[at + 2] += k1
-                w.column_errors[at + 1] += abs(k0 - g0)
-                w.column_errors[at + 2] += kronrod_error(abs(k1 - g1), k1, _LEAST_GAIN)
+                    p0 += slope * w.weights[j] * first
+                    p1 += slope * w.weights[j] * second
+                    q0 += slope * w.gauss_weights[j] * first
+                    q1 += slope * w.gauss_weights[j] * second
+                w.column_values[at + 1] += p0
+                w.column_values[at + 2] += p1
+                w.column_errors[at + 1] += abs(p0 - q0)
+                w.column_errors[at + 2] += kronrod_error(abs(p1 - q1), p1, _LEAST_GAIN)
 
 
 @kernel
@@ -689,9 +689,14 @@ def largest_lci(
     w: Integrals, r: float, l_a: float, l_b: float, theta_limit: float,
     elbow1: float, elbow2: float, sign: float, conditions: int,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the largest LCI, and l and θ there: an isotropic point, or near the best node."""
+    """Return the largest LCI, and l and θ there: an isotropic point, or near the best node.
+
+    NaN where there are no nodes.
+    """
     best, length, theta = w.best[0], w.best[1], w.best[2]
     step = _FIRST_STEP
+    if best < 0.0:
+        return math.nan, math.nan, math.nan
     if w.isotropic_count[0] > 0 and best > _NEARLY_ISOTROPIC:
         return 1.0, w.isotropic[0, 0], w.isotropic[0, 1]
     while step > _LAST_STEP:

@@ -478,8 +478,10 @@ def _forward_arcs(part: ModePart, edge: _Edge) -> list[Arc]:
     v = np.linspace(0.0, 1.0, _NODES)
     theta = start + (end - start) * v**2 * (3.0 - 2.0 * v)
     length = _column_ends(part, edge, theta)
+    is_there = ~np.isnan(length)
+    theta, length = theta[is_there], length[is_there]
     chi = upper_directions(part.lengths, length, theta, part.elbows)
-    nodes = np.column_stack([length, theta, *np.unwrap(chi)])[~np.isnan(length)]
+    nodes = np.column_stack([length, theta, *np.unwrap(chi)])
     arcs: list[Arc] = []
     for some in _cut_where_folded(part.lengths, nodes):
         if len(some) < 2 or np.ptp(some[:, :2], axis=0).max() < _SHORTEST:
