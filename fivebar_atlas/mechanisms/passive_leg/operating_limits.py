@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 _ANGLES, _POINTS = 240, 25
 # Share of an interval by which its ends are moved inward, so that both legs reach.
 _INWARD = 1e-13
+# Closer to O rounding takes legs that are folded in all poses there out of reach.
+_AT_O = 1e-6
 
 
 def operating_limits(design: PassiveLeg, mode: str, count: int) -> OperatingLimits:
@@ -119,11 +121,14 @@ def _intervals(
     found = []
     for low, high in workspace.part.intervals(theta):
         inward = _INWARD * (high - low)
+        start, end = max(low + inward, _AT_O), high - inward
         share = np.linspace(0.0, 1.0, _POINTS)
-        evenly = low + inward + (high - low - 2.0 * inward) * share**2 * (3.0 - 2.0 * share)
+        evenly = start + (end - start) * share**2 * (3.0 - 2.0 * share)
+        if not start < end:
+            continue
         lengths = np.union1d(evenly, levels[(levels > evenly[0]) & (levels < evenly[-1])])
         angles = design.inputs(-lengths * math.sin(theta), lengths * math.cos(theta), mode)
-        angles = angles[~np.isnan(angles[:, 0])]
-        if len(angles) == len(lengths):
-            found.append(_Interval(lengths, np.unwrap(angles, axis=0)))
+        is_there = ~np.isnan(angles[:, 0])
+        if np.count_nonzero(is_there) > 1:
+            found.append(_Interval(lengths[is_there], np.unwrap(angles[is_there], axis=0)))
     return found
