@@ -13,6 +13,7 @@ from fivebar_atlas.mechanisms.passive_leg.evaluation import (
     UNBOUNDED_MANIPULABILITY,
 )
 from fivebar_atlas.mechanisms.passive_leg.mechanism import PassiveLegMechanism
+from fivebar_atlas.mechanisms.passive_leg.passive_leg import PassiveLeg
 from fivebar_atlas.numerics.quadrature import gauss_kronrod, null_rules
 
 MECHANISM = PassiveLegMechanism()
@@ -230,3 +231,38 @@ def test_null_rules_vanish_for_polynomials() -> None:
         assert abs(rule @ powers[:, 13 - k]) > 1e-9
     difference = gauss_kronrod(7).weights - gauss_kronrod(7).gauss_weights
     np.testing.assert_allclose(np.linalg.norm(rules, axis=1), np.linalg.norm(difference))
+
+
+@pytest.mark.parametrize("l_a", [1.2819054, 1.6247049])
+def test_outlines_past_a_leg_of_no_length(l_a: float) -> None:
+    """With l_a = l_b the forward singularity passes through points at which b_i is on B_i."""
+    design = PassiveLeg(0.9485073, l_a, l_a, passive_joint_limits=False)
+    workspace = design.usable_workspace("+-/up")
+    assert workspace is not None
+    assert workspace.region.area == pytest.approx(workspace.area, abs=1e-9)
+
+
+def test_outline_with_upper_links_as_long_as_the_platform() -> None:
+    """With l_b = r the platform's middle is where upper links are level on a circle about B_i."""
+    design = PassiveLeg(1.0, 1.1049067, 1.0, np.radians(10.8))
+    workspace = design.usable_workspace("--/down")
+    assert workspace is not None
+    assert workspace.region.area == pytest.approx(workspace.area, abs=1e-9)
+
+
+def test_outline_next_to_columns_of_another_kind() -> None:
+    """A node that is missing from a forward singularity leaves the others as they are."""
+    design = PassiveLeg(1.0, 1.5776903578193844, 1.4630375866443814, passive_joint_limits=False)
+    workspace = design.usable_workspace("-+/down")
+    assert workspace is not None
+    assert workspace.region.area == pytest.approx(workspace.area, abs=1e-9)
+
+
+def test_operating_limits_where_legs_are_folded_next_to_the_middle_of_the_base() -> None:
+    """With l_a = l_b - R + r both legs are folded at O, and limits at θ = 0 are those beside it."""
+    design = PassiveLeg(0.9246246, 1.7900010, 1.8653764, passive_joint_limits=False)
+    limits = design.operating_limits("+-/up", 61)
+    middle = len(limits.places) // 2
+    for extremes in (limits.least, limits.greatest):
+        beside = 0.5 * (extremes[middle - 1] + extremes[middle + 1])
+        assert np.all(np.abs(extremes[middle] - beside) < 0.2)

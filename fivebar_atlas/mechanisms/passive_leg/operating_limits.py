@@ -27,6 +27,8 @@ _ANGLES, _POINTS = 240, 25
 # Share of its largest length by which the ends of an interval are moved inward, more than what they
 # are rounded by, so that both legs reach; 4e-7 of an input where a leg is stretched.
 _INWARD = 1e-13
+# Closer to O rounding takes legs that are folded in all poses there out of reach.
+_AT_O = 1e-6
 
 
 def operating_limits(design: PassiveLeg, mode: str, count: int) -> OperatingLimits:
@@ -120,11 +122,14 @@ def _intervals(
     found = []
     for low, high in workspace.part.intervals(theta):
         inward = min(_INWARD * high, 0.25 * (high - low))
+        start, end = max(low + inward, _AT_O), high - inward
         share = np.linspace(0.0, 1.0, _POINTS)
-        evenly = low + inward + (high - low - 2.0 * inward) * share**2 * (3.0 - 2.0 * share)
+        evenly = start + (end - start) * share**2 * (3.0 - 2.0 * share)
+        if not start < end:
+            continue
         lengths = np.union1d(evenly, levels[(levels > evenly[0]) & (levels < evenly[-1])])
         angles = design.inputs(-lengths * math.sin(theta), lengths * math.cos(theta), mode)
-        angles = angles[~np.isnan(angles[:, 0])]
-        if len(angles) == len(lengths):
-            found.append(_Interval(lengths, np.unwrap(angles, axis=0)))
+        is_there = ~np.isnan(angles[:, 0])
+        if np.count_nonzero(is_there) > 1:
+            found.append(_Interval(lengths[is_there], np.unwrap(angles[is_there], axis=0)))
     return found
