@@ -27,10 +27,10 @@ import passive_leg
 
 from fivebar_atlas import FiveBar, mechanisms
 from fivebar_atlas.executors import ThreadExecutor
-from fivebar_atlas.mechanisms.base import SweepSettings
 from fivebar_atlas.mechanisms.five_bar.evaluation import evaluate_designs
 from fivebar_atlas.mechanisms.five_bar.outline import usable_workspace_of
 from fivebar_atlas.mechanisms.five_bar.points import lci_at
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.sweep import Sweep
 
 Values = dict[str, npt.NDArray[Any]]

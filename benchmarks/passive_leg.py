@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.executors import ThreadExecutor
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.sweep import Sweep
 
 _DESIGNS = 40

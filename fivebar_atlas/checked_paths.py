@@ -20,8 +20,9 @@ import numpy as np
 from fivebar_atlas import mechanisms
 from fivebar_atlas.closed_paths import closed, path_lengths
 from fivebar_atlas.errors import InfeasiblePathError
-from fivebar_atlas.mechanisms.base import FloatArray, plain
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.planar import PathFault, PathLeast, PathReport, PlanarDesign
+from fivebar_atlas.mechanisms.quantities import plain
 from fivebar_atlas.output_file import atomic_output
 from fivebar_atlas.planar_geometry import LIMIT, Region
 

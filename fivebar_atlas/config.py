@@ -19,10 +19,10 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import FileError, FileUsageError, InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import (
+from fivebar_atlas.mechanisms.base import Mechanism
+from fivebar_atlas.mechanisms.settings import (
     DEFAULT_LCI_THRESHOLDS,
     DEFAULT_TOLERANCE,
-    Mechanism,
     Options,
     SweepSettings,
 )

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.mechanisms.base import DESIGN, MODE, Axis, Flags
+from fivebar_atlas.mechanisms.quantities import DESIGN, MODE, Axis, Flags
 from fivebar_atlas.output_file import atomic_output, check_is_no_input
 from fivebar_atlas.store import Atlas
 

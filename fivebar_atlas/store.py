@@ -27,18 +27,18 @@ from fivebar_atlas.errors import (
     InputError,
     UnknownNameError,
 )
-from fivebar_atlas.mechanisms.base import (
+from fivebar_atlas.mechanisms.arrays import FloatArray
+from fivebar_atlas.mechanisms.base import Mechanism
+from fivebar_atlas.mechanisms.normalisation import Extremes, NormalisedFunction
+from fivebar_atlas.mechanisms.quantities import (
     DESIGN,
     MODE,
     THRESHOLD,
     Flags,
-    FloatArray,
-    Mechanism,
     NormalisedProduct,
     Quantity,
-    SweepSettings,
 )
-from fivebar_atlas.mechanisms.normalisation import Extremes, NormalisedFunction
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.output_file import check_output, put_in_place, unwritable
 from fivebar_atlas.unfinished_sweep import ASSEMBLED, UnfinishedSweep
 

@@ -15,7 +15,10 @@ import numpy.typing as npt
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.executors import Executor
-from fivebar_atlas.mechanisms.base import FloatArray, Mechanism, ResultArray, SweepSettings
+from fivebar_atlas.mechanisms.arrays import FloatArray
+from fivebar_atlas.mechanisms.base import Mechanism
+from fivebar_atlas.mechanisms.quantities import ResultArray
+from fivebar_atlas.mechanisms.settings import SweepSettings
 
 # A sweep has about this many blocks, for smooth progress, as long as a block is neither so
 # small that handling it costs more than computing it, nor so large that an interruption

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas import mechanisms
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.store import AtlasWriter
 
 FloatArray = npt.NDArray[np.float64]

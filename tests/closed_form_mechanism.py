@@ -15,16 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas import mechanisms
-from fivebar_atlas.mechanisms.base import (
-    DESIGN,
-    MODE,
-    BoolArray,
-    FloatArray,
-    NormalisedProduct,
-    Quantity,
-    SweepSettings,
-)
+from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray
 from fivebar_atlas.mechanisms.five_bar.mechanism import FiveBarMechanism
+from fivebar_atlas.mechanisms.quantities import DESIGN, MODE, NormalisedProduct, Quantity
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.store import AtlasWriter
 
 

@@ -16,7 +16,7 @@ from click.testing import CliRunner
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.cli import main
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.store import Atlas, open_atlas
 
 ROOT = Path(__file__).parent.parent

@@ -18,7 +18,7 @@ import numpy.typing as npt
 import yaml
 
 from fivebar_atlas import FiveBar, mechanisms
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.synthesis.containment import ActuatorRange
 from fivebar_atlas.synthesis.largest_square import SquareTask, unit_design
 from fivebar_atlas.synthesis.least_lci import least_lci

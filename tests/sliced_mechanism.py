@@ -16,21 +16,19 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import (
+from fivebar_atlas.mechanisms.arrays import FloatArray, IntArray
+from fivebar_atlas.mechanisms.base import Mechanism
+from fivebar_atlas.mechanisms.charts import DesignChart
+from fivebar_atlas.mechanisms.quantities import (
     DESIGN,
     MODE,
     Axis,
     AxisColumn,
-    DesignChart,
     Flags,
-    FloatArray,
-    IntArray,
-    Mechanism,
     Parameter,
     Quantity,
-    SweepOption,
-    SweepSettings,
 )
+from fivebar_atlas.mechanisms.settings import SweepOption, SweepSettings
 
 _SLICE = re.compile(r"([abc])=(\d*\.?\d+)")
 

@@ -12,7 +12,7 @@ import pytest
 from conftest import ROOT, Command
 
 from fivebar_atlas import config, mechanisms, open_atlas
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 
 Start = Callable[..., subprocess.Popen[str]]
 

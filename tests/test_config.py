@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from fivebar_atlas import config, mechanisms
 from fivebar_atlas.config import Configuration, Overrides
 from fivebar_atlas.errors import AtlasError, FileUsageError, InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import SweepSettings
 from fivebar_atlas.mechanisms.five_bar.mechanism import FiveBarMechanism
+from fivebar_atlas.mechanisms.settings import SweepSettings
 
 DEFAULT = SweepSettings("five-bar", "surrounded", 300, ("+-/up",), (0.5,), 1e-6)
 

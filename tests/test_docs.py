@@ -21,7 +21,7 @@ import yaml
 import fivebar_atlas
 from fivebar_atlas import config, mechanisms
 from fivebar_atlas.cli import main
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"

@@ -36,7 +36,7 @@ from fivebar_atlas.figures.design_cells import (
     representative_designs,
     shape_cells,
 )
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 
 Refused = Callable[..., str]
 

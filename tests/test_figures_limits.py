@@ -19,11 +19,11 @@ from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError
 from fivebar_atlas.figures.limits_figure import limits_figure
 from fivebar_atlas.figures.plotted_data import PlottedData
-from fivebar_atlas.mechanisms.base import Options
 from fivebar_atlas.mechanisms.five_bar.five_bar import FiveBar
 from fivebar_atlas.mechanisms.five_bar.mechanism import FiveBarMechanism
 from fivebar_atlas.mechanisms.planar import RADIANS, OperatingLimits, PlanarDesign
 from fivebar_atlas.mechanisms.scaled_design import ScaledDesign
+from fivebar_atlas.mechanisms.settings import Options
 
 Refused = Callable[..., str]
 GAP = 0.2

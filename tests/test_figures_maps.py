@@ -39,7 +39,8 @@ from fivebar_atlas.figures.design_space import (
     design_space_figure,
     region_loops,
 )
-from fivebar_atlas.mechanisms.base import DesignChart, Flags
+from fivebar_atlas.mechanisms.charts import DesignChart
+from fivebar_atlas.mechanisms.quantities import Flags
 from fivebar_atlas.store import Atlas, open_atlas
 from fivebar_atlas.synthesis.conditions import parse_condition
 from fivebar_atlas.synthesis.optimum_region import optimum_region

@@ -25,7 +25,7 @@ from fivebar_atlas.figures.oblique_view import ObliqueView
 from fivebar_atlas.figures.saving import rendered
 from fivebar_atlas.figures.surface_map import surface_map
 from fivebar_atlas.figures.surface_pieces import cut_at_levels
-from fivebar_atlas.mechanisms.base import DesignChart
+from fivebar_atlas.mechanisms.charts import DesignChart
 from fivebar_atlas.store import Atlas, open_atlas
 
 FloatArray = npt.NDArray[np.float64]

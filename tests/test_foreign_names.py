@@ -10,7 +10,7 @@ import pytest
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import ForeignNameError, UnknownNameError
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.store import Atlas, AtlasWriter, open_atlas
 
 PARAMETERS = "r1, r2, r3"

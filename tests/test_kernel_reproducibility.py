@@ -13,7 +13,7 @@ import pytest
 SCRIPT = """
 import hashlib, os, sys
 from fivebar_atlas import mechanisms
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import (SweepSettings)
 
 os.environ["NUMBA_CACHE_DIR"] = sys.argv[1]
 if sys.argv[2] == "before":

@@ -17,9 +17,9 @@ from toy_mechanism import ToyMechanism
 from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError, UnknownNameError
 from fivebar_atlas.executors import ThreadExecutor
-from fivebar_atlas.mechanisms.base import SweepSettings
 from fivebar_atlas.mechanisms.five_bar.mechanism import STATUS, FiveBarMechanism
 from fivebar_atlas.mechanisms.mode_pairs import mode_signs
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.store import AtlasWriter, open_atlas
 from fivebar_atlas.sweep import Sweep
 

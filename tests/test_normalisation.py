@@ -22,8 +22,8 @@ from toy_mechanism import ToyMechanism
 
 from fivebar_atlas import mechanisms, open_atlas, store
 from fivebar_atlas.errors import FileError, UnknownNameError
-from fivebar_atlas.mechanisms.base import SweepSettings
 from fivebar_atlas.mechanisms.normalisation import Extremes, NormalisedFunction
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.store import Atlas
 
 FloatArray = npt.NDArray[np.float64]

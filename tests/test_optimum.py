@@ -18,8 +18,8 @@ import pytest
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import SweepSettings
 from fivebar_atlas.mechanisms.five_bar import design_space
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.store import Atlas, AtlasWriter, open_atlas
 from fivebar_atlas.synthesis.candidates import Candidates
 from fivebar_atlas.synthesis.conditions import check_contradictions, parse_condition

@@ -10,7 +10,7 @@ import pytest
 from conftest import Command
 
 from fivebar_atlas import mechanisms
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.store import AtlasWriter
 
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 
 from fivebar_atlas import mechanisms
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 
 MECHANISM = mechanisms.get("passive-leg")
 INTEGRATED = [quantity for quantity in MECHANISM.quantities if quantity.has_error]

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from naive_passive_leg import MODE_PAIRS, read_reference_file
 
-from fivebar_atlas.mechanisms.base import SweepSettings
 from fivebar_atlas.mechanisms.passive_leg.evaluation import (
     TOLERANCE_NOT_REACHED,
     UNBOUNDED_MANIPULABILITY,
 )
 from fivebar_atlas.mechanisms.passive_leg.mechanism import PassiveLegMechanism
 from fivebar_atlas.mechanisms.passive_leg.passive_leg import PassiveLeg
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.numerics.quadrature import gauss_kronrod, null_rules
 
 MECHANISM = PassiveLegMechanism()

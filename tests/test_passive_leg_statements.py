@@ -11,7 +11,7 @@ import pytest
 from scipy import stats
 
 from fivebar_atlas import mechanisms
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 
 MECHANISM = mechanisms.get("passive-leg")
 STEPS = 60

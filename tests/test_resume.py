@@ -16,7 +16,8 @@ from conftest import Command
 from toy_mechanism import ToyMechanism
 
 from fivebar_atlas import jit, open_atlas, store
-from fivebar_atlas.mechanisms.base import FloatArray, SweepSettings
+from fivebar_atlas.mechanisms.arrays import FloatArray
+from fivebar_atlas.mechanisms.settings import SweepSettings
 
 # Runs the command line. From the given call on, evaluating a block waits until a file
 # named "go" appears, which makes "in the middle of a sweep" a place and not a time.

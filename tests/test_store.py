@@ -18,7 +18,7 @@ from toy_mechanism import ToyMechanism
 from fivebar_atlas import config, open_atlas, store
 from fivebar_atlas.errors import FileError, FileUsageError, InputError, UnknownNameError
 from fivebar_atlas.executors import ThreadExecutor
-from fivebar_atlas.mechanisms.base import SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.sweep import Sweep
 
 

@@ -11,7 +11,8 @@ import pytest
 from toy_mechanism import ToyMechanism
 
 from fivebar_atlas.executors import ThreadExecutor
-from fivebar_atlas.mechanisms.base import FloatArray, SweepSettings
+from fivebar_atlas.mechanisms.arrays import FloatArray
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.sweep import Sweep
 
 Arrays = dict[str, npt.NDArray[Any]]

@@ -15,7 +15,7 @@ from conftest import Command
 from fivebar_atlas import config, mechanisms, planar_design
 from fivebar_atlas.config import Overrides
 from fivebar_atlas.errors import InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import SweepOption
+from fivebar_atlas.mechanisms.settings import SweepOption
 from fivebar_atlas.store import is_complete, open_atlas
 
 TEXT = """mechanism = "sliced"

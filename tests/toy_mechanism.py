@@ -12,22 +12,21 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import UnknownNameError
-from fivebar_atlas.mechanisms.base import (
+from fivebar_atlas.mechanisms.arrays import FloatArray, IntArray
+from fivebar_atlas.mechanisms.base import Mechanism
+from fivebar_atlas.mechanisms.charts import DesignChart
+from fivebar_atlas.mechanisms.quantities import (
     DESIGN,
     MODE,
     THRESHOLD,
     Axis,
     AxisColumn,
-    DesignChart,
     Flags,
-    FloatArray,
-    IntArray,
-    Mechanism,
     NormalisedProduct,
     Parameter,
     Quantity,
-    SweepSettings,
 )
+from fivebar_atlas.mechanisms.settings import SweepSettings
 
 SIDES = Flags(values=(0, 1), meanings=("left", "right"))
 STATUS = Flags(values=(1, 2), meanings=("no_span", "short_link"), masks=True)

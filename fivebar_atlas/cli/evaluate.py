@@ -33,7 +33,7 @@ def evaluate(
     reported. Lengths scale back with D, areas with its square.
     """
     from fivebar_atlas import mechanisms
-    from fivebar_atlas.mechanisms.base import (
+    from fivebar_atlas.mechanisms.settings import (
         DEFAULT_LCI_THRESHOLDS,
         DEFAULT_TOLERANCE,
         SweepSettings,

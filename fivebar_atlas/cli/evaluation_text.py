@@ -21,14 +21,10 @@ from fivebar_atlas.cli.presentation import (
 from fivebar_atlas.errors import InputError
 
 if TYPE_CHECKING:
-    from fivebar_atlas.mechanisms.base import (
-        Axis,
-        FloatArray,
-        Mechanism,
-        Quantity,
-        Results,
-        SweepSettings,
-    )
+    from fivebar_atlas.mechanisms.arrays import FloatArray
+    from fivebar_atlas.mechanisms.base import Mechanism
+    from fivebar_atlas.mechanisms.quantities import Axis, Quantity, Results
+    from fivebar_atlas.mechanisms.settings import SweepSettings
 
 # Wide enough for every name, and the whole line for a terminal of 80 columns.
 _LABEL_WIDTH = 40
@@ -173,7 +169,7 @@ class EvaluationText:
 
     @property
     def _modes(self) -> tuple[str, ...]:
-        from fivebar_atlas.mechanisms.base import MODE
+        from fivebar_atlas.mechanisms.quantities import MODE
 
         return self._axes[MODE].labels if MODE in self._axes else ()
 
@@ -183,7 +179,7 @@ class EvaluationText:
 
     def _of_design(self) -> Iterator[_Entry]:
         """Yield D, the lengths, and the quantities that do not depend on the mode pair."""
-        from fivebar_atlas.mechanisms.base import MODE
+        from fivebar_atlas.mechanisms.quantities import MODE
 
         yield _Entry("dimensional factor D", "dimensional factor D", f"{self.factor:.8g}")
         (proportions,) = self.mechanism.proportions_of(self.parameters[None])
@@ -196,7 +192,7 @@ class EvaluationText:
 
     def _of_mode(self, number: int) -> Iterator[_Entry]:
         """Yield the quantities of a mode pair."""
-        from fivebar_atlas.mechanisms.base import MODE
+        from fivebar_atlas.mechanisms.quantities import MODE
 
         for quantity in self.mechanism.quantities:
             if MODE in quantity.dimensions:

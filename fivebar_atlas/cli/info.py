@@ -10,7 +10,7 @@ import click
 from fivebar_atlas.cli import options
 
 if TYPE_CHECKING:
-    from fivebar_atlas.mechanisms.base import Quantity
+    from fivebar_atlas.mechanisms.quantities import Quantity
     from fivebar_atlas.store import Atlas
 
 

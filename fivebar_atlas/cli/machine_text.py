@@ -22,8 +22,9 @@ from fivebar_atlas.cli.presentation import (
 
 if TYPE_CHECKING:
     from fivebar_atlas.figures.overlays import Overlay
-    from fivebar_atlas.mechanisms.base import Mechanism, Quantity
+    from fivebar_atlas.mechanisms.base import Mechanism
     from fivebar_atlas.mechanisms.planar import PlanarDesign
+    from fivebar_atlas.mechanisms.quantities import Quantity
     from fivebar_atlas.planar_geometry import Point
     from fivebar_atlas.synthesis.sizing import Machine
 

@@ -14,8 +14,9 @@ from fivebar_atlas.errors import InputError
 
 if TYPE_CHECKING:
     from fivebar_atlas.config import Overrides
-    from fivebar_atlas.mechanisms.base import Mechanism, Options
+    from fivebar_atlas.mechanisms.base import Mechanism
     from fivebar_atlas.mechanisms.planar import PlanarDesign
+    from fivebar_atlas.mechanisms.settings import Options
 
 #: Settings of a command that takes numbers as arguments: negative ones look like options.
 NEGATIVE_NUMBERS = {"ignore_unknown_options": True}

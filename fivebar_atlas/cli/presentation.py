@@ -17,7 +17,8 @@ import click
 from fivebar_atlas.report.content import Row, Section, Table
 
 if TYPE_CHECKING:
-    from fivebar_atlas.mechanisms.base import Mechanism, Options
+    from fivebar_atlas.mechanisms.base import Mechanism
+    from fivebar_atlas.mechanisms.settings import Options
 
 __all__ = [
     "Captioned",

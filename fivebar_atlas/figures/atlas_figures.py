@@ -20,7 +20,7 @@ from fivebar_atlas.figures.oblique_view import ObliqueView
 from fivebar_atlas.figures.pareto_figure import pareto_designs_figure, pareto_figure
 from fivebar_atlas.figures.region_map import Layer, region_map
 from fivebar_atlas.figures.surface_map import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, surface_map
-from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Flags, Quantity, ResultArray
+from fivebar_atlas.mechanisms.quantities import MODE, THRESHOLD, Flags, Quantity, ResultArray
 from fivebar_atlas.store import Atlas
 from fivebar_atlas.triangulated_regions import Region
 

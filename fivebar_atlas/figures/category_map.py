@@ -25,7 +25,7 @@ from fivebar_atlas.figures.colour_bar import (
 from fivebar_atlas.figures.contour_levels import magnitude_levels, magnitude_text
 from fivebar_atlas.figures.drawing_area import FILL_LEVEL, MISSING_LEVEL
 from fivebar_atlas.figures.style import styled
-from fivebar_atlas.mechanisms.base import Flags
+from fivebar_atlas.mechanisms.quantities import Flags
 from fivebar_atlas.triangulated_regions import outline_of_cells
 
 FloatArray = npt.NDArray[np.float64]

@@ -30,7 +30,7 @@ from fivebar_atlas.figures.design_space import region_loops
 from fivebar_atlas.figures.drawing_area import BORDER_LEVEL
 from fivebar_atlas.figures.style import styled
 from fivebar_atlas.figures.text_placement import Box, text_size
-from fivebar_atlas.mechanisms.base import ChartAxis, ChartRegion, DesignChart
+from fivebar_atlas.mechanisms.charts import ChartAxis, ChartRegion, DesignChart
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -21,7 +21,7 @@ from matplotlib.path import Path
 from fivebar_atlas.figures import style
 from fivebar_atlas.figures.drawing_area import BORDER_LEVEL, TEXT_LEVEL, DrawingArea, check_width
 from fivebar_atlas.figures.text_placement import Box, text_size, wrapped
-from fivebar_atlas.mechanisms.base import ChartAxis, DesignChart
+from fivebar_atlas.mechanisms.charts import ChartAxis, DesignChart
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import DesignChart, Mechanism
+from fivebar_atlas.mechanisms.base import Mechanism
+from fivebar_atlas.mechanisms.charts import DesignChart
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

@@ -15,8 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import Mechanism, Options
+from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.planar import PlanarDesign
+from fivebar_atlas.mechanisms.settings import Options
 from fivebar_atlas.output_file import atomic_output
 from fivebar_atlas.planar_geometry import NamedArc
 

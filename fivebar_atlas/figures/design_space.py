@@ -11,7 +11,7 @@ from fivebar_atlas.figures import style
 from fivebar_atlas.figures.chart_frame import chart_frame, draw_sub_regions
 from fivebar_atlas.figures.drawing_area import FILL_LEVEL, LINE_LEVEL
 from fivebar_atlas.figures.style import styled
-from fivebar_atlas.mechanisms.base import ChartRegion, ChartTick, DesignChart
+from fivebar_atlas.mechanisms.charts import ChartRegion, ChartTick, DesignChart
 from fivebar_atlas.triangulated_regions import region_where
 
 FloatArray = npt.NDArray[np.float64]

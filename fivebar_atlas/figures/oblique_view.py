@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import ChartAxis, ChartRegion, ChartTick, DesignChart
+from fivebar_atlas.mechanisms.charts import ChartAxis, ChartRegion, ChartTick, DesignChart
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -42,7 +42,7 @@ from fivebar_atlas.figures.drawing_area import BORDER_LEVEL, FILL_LEVEL
 from fivebar_atlas.figures.oblique_view import ObliqueView
 from fivebar_atlas.figures.style import styled
 from fivebar_atlas.figures.surface_pieces import cut_at_levels
-from fivebar_atlas.mechanisms.base import ChartAxis, ChartTick, DesignChart
+from fivebar_atlas.mechanisms.charts import ChartAxis, ChartTick, DesignChart
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

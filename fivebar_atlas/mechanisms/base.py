@@ -9,16 +9,28 @@ lattice, a batch evaluator and a chart to draw the design space on.
 from __future__ import annotations
 
 import dataclasses
-import math
 import unicodedata
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
+from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray, IntArray
+from fivebar_atlas.mechanisms.charts import DesignChart
+from fivebar_atlas.mechanisms.quantities import (
+    DESIGN,
+    Axis,
+    NormalisedProduct,
+    Parameter,
+    Quantity,
+    ResultArray,
+    Results,
+    plain,
+)
+from fivebar_atlas.mechanisms.settings import Options, SweepOption, SweepSettings
 
 if TYPE_CHECKING:
     from fivebar_atlas.mechanisms.planar import (
@@ -28,370 +40,9 @@ if TYPE_CHECKING:
         PlanarDesign,
     )
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
-BoolArray = npt.NDArray[np.bool_]
-
-#: Sweep options of a mechanism by name, in the order the mechanism declares them.
-Options = tuple[tuple[str, float | bool], ...]
-
-#: Arrays by the name of their quantity or error companion.
-Results = Mapping[str, npt.NDArray[Any]]
-
-DESIGN = "design"
-MODE = "mode"
-THRESHOLD = "threshold"
-
-#: Thresholds and tolerance where nothing is said.
-DEFAULT_LCI_THRESHOLDS = (0.5,)
-DEFAULT_TOLERANCE = 1e-6
 
 # Up to this difference of every parameter designs are the same.
 _SAME_DESIGN = 1e-9
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class Parameter:
-    """One design parameter, an axis of the design space.
-
-    Attributes
-    ----------
-    name
-        Name of the dataset and in conditions, e.g. ``"r1"``.
-    symbol
-        The field's notation as mathtext, e.g. ``"$r_1$"``.
-    unit
-        Unit, ``"1"`` where non-dimensional.
-    long_name
-        What it is, in a phrase.
-    """
-
-    name: str
-    symbol: str
-    unit: str
-    long_name: str
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class Flags:
-    """Meanings of an integer quantity, as CF ``flag_values`` or ``flag_masks``.
-
-    Attributes
-    ----------
-    values
-        The integers.
-    meanings
-        One identifier for each of ``values``.
-    masks
-        True where the values are bits that may be set together.
-    """
-
-    values: tuple[int, ...]
-    meanings: tuple[str, ...]
-    masks: bool = False
-
-    def describe(self, value: int) -> str:
-        """Return the meaning of a stored value; several bits are joined by ``", "``."""
-        if not self.masks:
-            return self.meanings[self.values.index(value)]
-        if value == 0:
-            return "ok"
-        pairs = zip(self.values, self.meanings, strict=True)
-        return ", ".join(meaning for bit, meaning in pairs if value & bit)
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class Quantity:
-    """One computed quantity.
-
-    Attributes
-    ----------
-    name
-        Name of the dataset, a standard term of the field.
-    symbol
-        Notation as mathtext, for colour bars.
-    unit
-        Unit, ``"1"`` where non-dimensional.
-    long_name
-        What it is, in a phrase.
-    dimensions
-        The axes it runs over, the design axis first.
-    has_error
-        Whether a companion ``<name>_error`` (absolute error estimate) exists.
-    length_power
-        Power of the dimensional factor D that scales it to a machine (areas: 2).
-    flags
-        Meanings, for an integer quantity; None for a floating-point one.
-    ignores_tolerance
-        Whether its values are the same at every tolerance.
-    """
-
-    name: str
-    symbol: str
-    unit: str
-    long_name: str
-    dimensions: tuple[str, ...] = (DESIGN,)
-    has_error: bool = False
-    length_power: int = 0
-    flags: Flags | None = None
-    ignores_tolerance: bool = False
-
-    @property
-    def error_name(self) -> str:
-        """Name of the companion dataset with the absolute error estimate."""
-        return f"{self.name}_error"
-
-    @property
-    def dtype(self) -> np.dtype[Any]:
-        """Stored type: float64; for flags int8, or int16 where they are bits of a mask."""
-        if self.flags is None:
-            return np.dtype(np.float64)
-        return np.dtype(np.int16 if self.flags.masks else np.int8)
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class NormalisedProduct:
-    """A quantity that is the product of others, each normalised over all designs of an atlas.
-
-    Nam and Park (2006), Sec. 6.1: with one factor a normalised index, with several a composed
-    design index (Eq. 31). It exists in an atlas only: a design alone has no extremes.
-
-    Attributes
-    ----------
-    quantity
-        What the product is; it runs over the axes of its factors, and has an error if every
-        factor has one.
-    factors
-        Names of the mechanism's floating-point quantities that are multiplied.
-    normalisation
-        What f is divided by: ``"range"`` is (f - min f)/(max f - min f), ``"largest"`` is
-        f/max f, with the extremes over the designs at the same place of the other axes.
-    """
-
-    quantity: Quantity
-    factors: tuple[str, ...]
-    normalisation: Literal["range", "largest"]
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class ResultArray:
-    """One array of results: a quantity, or the error companion of one.
-
-    Attributes
-    ----------
-    name
-        Name of the array.
-    quantity
-        The quantity it belongs to.
-    lengths
-        Lengths of its axes after the design axis.
-    dtype
-        Stored type.
-    long_name
-        What it is, in a phrase.
-    """
-
-    name: str
-    quantity: Quantity
-    lengths: tuple[int, ...]
-    dtype: np.dtype[Any]
-    long_name: str
-
-    @property
-    def is_error(self) -> bool:
-        """Whether it is the error companion of its quantity."""
-        return self.name != self.quantity.name
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class AxisColumn:
-    """One labelled column along a non-design axis (``working_mode`` along ``mode``)."""
-
-    name: str
-    values: npt.NDArray[Any]
-    unit: str
-    long_name: str
-    flags: Flags | None = None
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class Axis:
-    """A non-design axis of the results.
-
-    Attributes
-    ----------
-    name
-        Name of the dimension: ``"mode"``, ``"threshold"``.
-    labels
-        One text for each entry, as the user writes it: ``"+-/up"``, ``"0.5"``.
-    columns
-        The datasets that describe the entries.
-    """
-
-    name: str
-    labels: tuple[str, ...]
-    columns: tuple[AxisColumn, ...]
-
-    def __len__(self) -> int:
-        return len(self.labels)
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class SweepOption:
-    """A choice that a mechanism leaves to a sweep, a number or yes or no.
-
-    Attributes
-    ----------
-    name
-        Key in ``[sweep.options]`` and name on the command line, ``"theta_limit"``.
-    unit
-        Unit, ``"1"`` where non-dimensional or yes or no.
-    long_name
-        What it says, in a phrase.
-    default
-        The value where nothing is said; a bool where it is yes or no.
-    least, greatest
-        Range of a number, ends included.
-    """
-
-    name: str
-    unit: str
-    long_name: str
-    default: float | bool
-    least: float = -math.inf
-    greatest: float = math.inf
-
-    @property
-    def allowed(self) -> str:
-        """Which values there are, in a phrase."""
-        if isinstance(self.default, bool):
-            return "true or false"
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        least, greatest = math.isfinite(self.least), math.isfinite(self.greatest)
-        if least and greatest:
-            return f"a number from {self.least:g} to {self.greatest:g}{unit}"
-        if least or greatest:
-            bound = f"of {self.least:g} or more" if least else f"up to {self.greatest:g}"
-            return f"a number {bound}{unit}"
-        return "a finite number"
-
-    def check(self, value: object, name: str) -> float | bool:
-        """Return a value as it is stored; raise InputError, under a name, if it is none."""
-        if isinstance(self.default, bool):
-            if isinstance(value, bool):
-                return value
-        elif isinstance(value, int | float) and not isinstance(value, bool):
-            number = float(value)
-            if math.isfinite(number) and self.least <= number <= self.greatest:
-                return number + 0.0  # -0.0 is 0.0
-        raise InputError(name, value, self.allowed)
-
-    def shown(self, value: float | bool) -> str:
-        """Return a value as text with its unit: ``"60 deg"``, ``"true"``."""
-        if isinstance(value, bool):
-            return "true" if value else "false"
-        return f"{value:.8g}" if self.unit == "1" else f"{value:.8g} {self.unit}"
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class SweepSettings:
-    """What a sweep computes; it, and nothing else, determines the numbers.
-
-    Attributes
-    ----------
-    mechanism
-        Name of the mechanism.
-    space
-        Canonical text of the design space.
-    resolution
-        Number of lattice steps N.
-    modes
-        Canonical labels of the mode pairs, in the order asked for.
-    lci_thresholds
-        Thresholds of the good-condition workspace, each in (0, 1).
-    tolerance
-        Relative tolerance of every integrated quantity.
-    options
-        Sweep options of the mechanism; those that are not among them have their defaults.
-        In the settings of a configuration or a file all are there, in the mechanism's order.
-    """
-
-    mechanism: str
-    space: str
-    resolution: int
-    modes: tuple[str, ...]
-    lci_thresholds: tuple[float, ...]
-    tolerance: float
-    options: Options = ()
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class ChartTick:
-    """A tick of a chart axis: its label, its foot and the outward direction."""
-
-    label: str
-    x: float
-    y: float
-    dx: float
-    dy: float
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class ChartAxis:
-    """One parameter's axis along a side of the chart.
-
-    Attributes
-    ----------
-    label
-        Mathtext label.
-    label_x, label_y
-        Where the label stands, in chart coordinates.
-    rotation
-        Rotation of the label in degrees.
-    ticks
-        The ticks, feet on the side.
-    """
-
-    label: str
-    label_x: float
-    label_y: float
-    rotation: float
-    ticks: tuple[ChartTick, ...]
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class ChartRegion:
-    """A named sub-region of the design space and where its name is written."""
-
-    name: str
-    x: float
-    y: float
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class DesignChart:
-    """How a design space is drawn in the plane (aspect ratio 1).
-
-    Attributes
-    ----------
-    outline
-        Closed polygon, shape (k, 2).
-    axes
-        One axis for each drawn parameter.
-    borders
-        Polylines between sub-regions, each of shape (k, 2).
-    regions
-        Names of the sub-regions with the places where they are written.
-    fixed
-        What all designs have that is not to be seen in the chart, ``"$l_a$ = 0.8"``; empty if
-        there is nothing of the kind.
-    """
-
-    outline: FloatArray
-    axes: tuple[ChartAxis, ...]
-    borders: tuple[FloatArray, ...]
-    regions: tuple[ChartRegion, ...]
-    fixed: str = ""
 
 
 class Mechanism(ABC):
@@ -906,13 +557,3 @@ class Mechanism(ABC):
         if not labels:
             raise InputError(name, list(texts), "at least one mode pair")
         return tuple(dict.fromkeys(labels))
-
-
-def plain(value: Any, flags: Flags | None = None) -> Any:
-    """Return a value or an array as JSON knows it: NaN is None, a flag is its meaning."""
-    if np.ndim(value):
-        return [plain(entry, flags) for entry in value]
-    if flags is not None:
-        return flags.describe(int(value))
-    # Adding 0.0 turns -0.0 into 0.0.
-    return float(value) + 0.0 if np.isfinite(value) else None

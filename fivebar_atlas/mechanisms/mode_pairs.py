@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fivebar_atlas.errors import UnknownNameError
-from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Axis, AxisColumn, Flags
+from fivebar_atlas.mechanisms.quantities import MODE, THRESHOLD, Axis, AxisColumn, Flags
 
 #: Working mode and assembly mode as ±1.
 Signs = tuple[int, int, int]

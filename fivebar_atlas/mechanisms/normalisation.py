@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fivebar_atlas.mechanisms.base import FloatArray, NormalisedProduct, Quantity, Results
+from fivebar_atlas.mechanisms.arrays import FloatArray
+from fivebar_atlas.mechanisms.quantities import NormalisedProduct, Quantity, Results
 
 
 class Extremes(NamedTuple):

@@ -12,7 +12,8 @@ from collections.abc import Sequence
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import FloatArray, Options
+from fivebar_atlas.mechanisms.arrays import FloatArray
+from fivebar_atlas.mechanisms.settings import Options
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
 #: What a joint is.

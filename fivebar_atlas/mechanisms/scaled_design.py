@@ -10,7 +10,8 @@ import numpy as np
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InputError, OutOfReachError
-from fivebar_atlas.mechanisms.base import FloatArray, Mechanism, Options
+from fivebar_atlas.mechanisms.arrays import FloatArray
+from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.planar import (
     RADIANS,
     OperatingLimits,
@@ -20,6 +21,7 @@ from fivebar_atlas.mechanisms.planar import (
     Pose,
     Workspace,
 )
+from fivebar_atlas.mechanisms.settings import Options
 from fivebar_atlas.planar_geometry import CircleArc, NamedArc, Point, Region
 
 

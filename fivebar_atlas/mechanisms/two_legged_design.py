@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
 from fivebar_atlas.level_curves import SampledField, level_regions
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.mode_pairs import mode_label, mode_pairs
 from fivebar_atlas.mechanisms.planar import PlanarDesign, Pose, Workspace
 from fivebar_atlas.planar_geometry import Point, Region

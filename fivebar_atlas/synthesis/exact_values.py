@@ -11,8 +11,10 @@ import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
 from fivebar_atlas.executors import ThreadExecutor, usable_cores
-from fivebar_atlas.mechanisms.base import MODE, THRESHOLD, Mechanism, Results, SweepSettings
+from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.normalisation import NormalisedFunction
+from fivebar_atlas.mechanisms.quantities import MODE, THRESHOLD, Results
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.store import Atlas
 from fivebar_atlas.synthesis.design_polygon import DesignPolygon
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import Axis, Quantity, plain
+from fivebar_atlas.mechanisms.quantities import Axis, Quantity, plain
 from fivebar_atlas.store import Atlas
 from fivebar_atlas.synthesis.design_polygon import ON_SIDE, DesignPolygon
 

@@ -15,8 +15,9 @@ import numpy as np
 
 from fivebar_atlas.errors import InputError, UnknownNameError
 from fivebar_atlas.executors import ThreadExecutor
-from fivebar_atlas.mechanisms.base import Mechanism, Options
+from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.planar import PlacementScan, PlanarDesign
+from fivebar_atlas.mechanisms.settings import Options
 from fivebar_atlas.planar_geometry import FloatArray
 from fivebar_atlas.synthesis.containment import ActuatorRange, check_ranges
 from fivebar_atlas.synthesis.link_limits import LinkLimit, length_name

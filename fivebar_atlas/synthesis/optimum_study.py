@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.mechanisms.base import MODE, THRESHOLD
+from fivebar_atlas.mechanisms.quantities import MODE, THRESHOLD
 from fivebar_atlas.store import Atlas
 from fivebar_atlas.synthesis.candidates import Candidates
 from fivebar_atlas.synthesis.conditions import Condition

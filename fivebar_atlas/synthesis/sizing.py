@@ -18,14 +18,11 @@ import numpy as np
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import InfeasibleSizeError, InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import (
-    DEFAULT_TOLERANCE,
-    FloatArray,
-    Results,
-    SweepSettings,
-)
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.planar import PlanarDesign
+from fivebar_atlas.mechanisms.quantities import Results
 from fivebar_atlas.mechanisms.scaled_design import ScaledDesign
+from fivebar_atlas.mechanisms.settings import DEFAULT_TOLERANCE, SweepSettings
 from fivebar_atlas.planar_geometry import Point, Region
 from fivebar_atlas.synthesis.containment import (
     INSIDE,

@@ -19,7 +19,8 @@ from fivebar_atlas.cli.plot.group import (
 
 if TYPE_CHECKING:
     from fivebar_atlas.figures.design_cells import DesignCell
-    from fivebar_atlas.mechanisms.base import Mechanism, Options
+    from fivebar_atlas.mechanisms.base import Mechanism
+    from fivebar_atlas.mechanisms.settings import Options
 
 #: Takes a mechanism, a design space, a number and options; returns drawings and the title.
 _Maker = Callable[["Mechanism", str, int, "Options"], tuple[Sequence["DesignCell"], str]]

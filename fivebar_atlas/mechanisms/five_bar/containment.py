@@ -27,7 +27,7 @@ from __future__ import annotations
 import math
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.five_bar.jacobian import TINY, distal_products
 from fivebar_atlas.mechanisms.five_bar.kinematics import squared_four_areas
 

@@ -15,15 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import (
-    ChartAxis,
-    ChartRegion,
-    ChartTick,
-    DesignChart,
-    Flags,
-    FloatArray,
-    IntArray,
-)
+from fivebar_atlas.mechanisms.arrays import FloatArray, IntArray
+from fivebar_atlas.mechanisms.charts import ChartAxis, ChartRegion, ChartTick, DesignChart
+from fivebar_atlas.mechanisms.quantities import Flags
 
 #: Designs whose base joints are surrounded by workspace, and all that can be assembled.
 SURROUNDED = "surrounded"

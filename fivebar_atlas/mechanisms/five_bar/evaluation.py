@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray, IntArray
+from fivebar_atlas.mechanisms.arrays import FloatArray, IntArray
 from fivebar_atlas.mechanisms.five_bar.indices import integrate_strips, largest_lci
 from fivebar_atlas.mechanisms.five_bar.inscribed_circle import (
     ARCS,

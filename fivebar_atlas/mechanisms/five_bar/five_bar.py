@@ -11,13 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import (
-    DEFAULT_LCI_THRESHOLDS,
-    DEFAULT_TOLERANCE,
-    FloatArray,
-    IntArray,
-    SweepSettings,
-)
+from fivebar_atlas.mechanisms.arrays import FloatArray, IntArray
 from fivebar_atlas.mechanisms.five_bar import points
 from fivebar_atlas.mechanisms.five_bar.containment import bounds_on_discs
 from fivebar_atlas.mechanisms.five_bar.design_space import (
@@ -41,6 +35,11 @@ from fivebar_atlas.mechanisms.mode_pairs import (
     mode_signs,
 )
 from fivebar_atlas.mechanisms.planar import PathLeast, PathReport, Pose
+from fivebar_atlas.mechanisms.settings import (
+    DEFAULT_LCI_THRESHOLDS,
+    DEFAULT_TOLERANCE,
+    SweepSettings,
+)
 from fivebar_atlas.mechanisms.two_legged_design import (
     TwoLeggedDesign,
     flat_discs,

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.five_bar.jacobian import conditioning_with_slope, lci
 from fivebar_atlas.mechanisms.five_bar.level_changes import level_changes, scan_single
 from fivebar_atlas.mechanisms.five_bar.panels import (

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.five_bar.jacobian import lci
 from fivebar_atlas.mechanisms.five_bar.kinematics import reaches
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.five_bar.panels import MAX_LEVEL_CUTS, Panels
 from fivebar_atlas.mechanisms.five_bar.rays import ACROSS_NODES, ROWS, place_ray, scan_rays
 from fivebar_atlas.numerics.roots import FOUND, first_share, next_share

@@ -8,24 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.mechanisms.base import (
-    DESIGN,
-    MODE,
-    THRESHOLD,
-    Axis,
-    BoolArray,
-    DesignChart,
-    Flags,
-    FloatArray,
-    IntArray,
-    Mechanism,
-    Options,
-    Parameter,
-    Quantity,
-    Results,
-    SweepSettings,
-    plain,
-)
+from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray, IntArray
+from fivebar_atlas.mechanisms.base import Mechanism
+from fivebar_atlas.mechanisms.charts import DesignChart
 from fivebar_atlas.mechanisms.five_bar import design_space
 from fivebar_atlas.mechanisms.mode_pairs import (
     MODE_PAIRS,
@@ -33,6 +18,18 @@ from fivebar_atlas.mechanisms.mode_pairs import (
     mode_signs,
     parse_mode_pair,
 )
+from fivebar_atlas.mechanisms.quantities import (
+    DESIGN,
+    MODE,
+    THRESHOLD,
+    Axis,
+    Flags,
+    Parameter,
+    Quantity,
+    Results,
+    plain,
+)
+from fivebar_atlas.mechanisms.settings import Options, SweepSettings
 
 if TYPE_CHECKING:
     from fivebar_atlas.mechanisms.planar import (

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.five_bar.isotropy import MAX_ISOTROPIC
 from fivebar_atlas.mechanisms.five_bar.jacobian import conditioning_ratio, lci
 from fivebar_atlas.mechanisms.five_bar.rays import (

@@ -28,7 +28,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.five_bar.coupler_curve import CouplerArc
 from fivebar_atlas.mechanisms.five_bar.loci import (
     COUPLER,

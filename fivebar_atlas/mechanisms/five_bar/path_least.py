@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.five_bar.loci import Lengths
 from fivebar_atlas.mechanisms.five_bar.outline import usable_workspace_of
 from fivebar_atlas.mechanisms.five_bar.path import (

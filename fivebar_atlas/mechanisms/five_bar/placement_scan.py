@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.five_bar.jacobian import distal_products, matrices, threshold_ratio
 from fivebar_atlas.mechanisms.five_bar.kinematics import elbow, inverse, reaches
 from fivebar_atlas.mechanisms.five_bar.mirror import CLASS_SIGNS, canonical_class

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray, IntArray
+from fivebar_atlas.mechanisms.arrays import FloatArray, IntArray
 from fivebar_atlas.mechanisms.five_bar.jacobian import lci, matrices
 from fivebar_atlas.mechanisms.five_bar.kinematics import elbow, forward, inverse, reaches
 from fivebar_atlas.mechanisms.five_bar.singularity import radius_along, singularity_kind

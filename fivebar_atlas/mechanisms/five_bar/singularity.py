@@ -27,7 +27,7 @@ from __future__ import annotations
 import math
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.five_bar.jacobian import distal_products
 from fivebar_atlas.numerics.arcs import circle_discriminant, circle_radius, circle_swept_area
 

@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.five_bar.jacobian import signed_det_b
 from fivebar_atlas.mechanisms.five_bar.singularity import (
     C_1I_FAR,

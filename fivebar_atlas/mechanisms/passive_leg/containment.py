@@ -35,7 +35,7 @@ from __future__ import annotations
 import math
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.passive_leg.jacobian import TINY
 from fivebar_atlas.mechanisms.passive_leg.kinematics import (
     leg_vector,

@@ -13,14 +13,8 @@ import re
 import numpy as np
 
 from fivebar_atlas.errors import InputError, UnknownNameError
-from fivebar_atlas.mechanisms.base import (
-    ChartAxis,
-    ChartRegion,
-    ChartTick,
-    DesignChart,
-    FloatArray,
-    IntArray,
-)
+from fivebar_atlas.mechanisms.arrays import FloatArray, IntArray
+from fivebar_atlas.mechanisms.charts import ChartAxis, ChartRegion, ChartTick, DesignChart
 
 #: The space under the condition l_a = l_b - R + r.
 CONDITIONED = "conditioned"

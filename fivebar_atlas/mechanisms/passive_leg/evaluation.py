@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray, IntArray
+from fivebar_atlas.mechanisms.arrays import FloatArray, IntArray
 from fivebar_atlas.mechanisms.passive_leg.columns import ONE_SIGN, PASSIVE_JOINTS, set_samples
 from fivebar_atlas.mechanisms.passive_leg.indices import (
     AREA,

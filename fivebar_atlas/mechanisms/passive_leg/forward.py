@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 
 # Newton steps that a root may take, and a step, as a share of the links, that is rounding.
 _STEPS, _ROUNDING = 40, 1e-14

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.passive_leg.columns import PASSIVE_JOINTS, find_column
 from fivebar_atlas.mechanisms.passive_leg.isotropy import MAX_ISOTROPIC, isotropic_points
 from fivebar_atlas.mechanisms.passive_leg.jacobian import TINY, local_indices

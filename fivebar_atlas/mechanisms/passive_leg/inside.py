@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.passive_leg.columns import PASSIVE_JOINTS, Column, find_column
 from fivebar_atlas.mechanisms.passive_leg.jacobian import local_indices
 from fivebar_atlas.mechanisms.passive_leg.kinematics import reaches_at

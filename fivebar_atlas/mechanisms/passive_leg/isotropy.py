@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.passive_leg.columns import PASSIVE_JOINTS
 from fivebar_atlas.mechanisms.passive_leg.jacobian import TINY, scaled_matrices
 from fivebar_atlas.mechanisms.passive_leg.kinematics import reaches_at

@@ -10,24 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import (
-    DESIGN,
-    MODE,
-    THRESHOLD,
-    Axis,
-    BoolArray,
-    DesignChart,
-    Flags,
-    FloatArray,
-    IntArray,
-    Mechanism,
-    NormalisedProduct,
-    Options,
-    Parameter,
-    Quantity,
-    SweepOption,
-    SweepSettings,
-)
+from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray, IntArray
+from fivebar_atlas.mechanisms.base import Mechanism
+from fivebar_atlas.mechanisms.charts import DesignChart
 from fivebar_atlas.mechanisms.mode_pairs import (
     MODE_PAIRS,
     mode_and_threshold_axes,
@@ -35,12 +20,20 @@ from fivebar_atlas.mechanisms.mode_pairs import (
     parse_mode_pair,
 )
 from fivebar_atlas.mechanisms.passive_leg import design_space
+from fivebar_atlas.mechanisms.quantities import (
+    DESIGN,
+    MODE,
+    THRESHOLD,
+    Axis,
+    Flags,
+    NormalisedProduct,
+    Parameter,
+    Quantity,
+)
+from fivebar_atlas.mechanisms.settings import Options, SweepOption, SweepSettings
 
 if TYPE_CHECKING:
     from fivebar_atlas.mechanisms.planar import PlanarDesign
-
-if TYPE_CHECKING:
-    pass
 
 #: Why a value is not a number, or not as accurate as asked for.
 STATUS = Flags(

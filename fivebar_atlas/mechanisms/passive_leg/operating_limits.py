@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.passive_leg.outline import UsableWorkspace, level_curves
 from fivebar_atlas.mechanisms.passive_leg.poses import INPUT_SYMBOLS
 from fivebar_atlas.mechanisms.planar import RADIANS, OperatingLimits

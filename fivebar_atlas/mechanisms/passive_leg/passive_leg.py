@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import FloatArray, Options
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.mode_pairs import (
     Signs,
     mode_pairs,
@@ -39,6 +39,7 @@ from fivebar_atlas.mechanisms.planar import (
     PathReport,
     Pose,
 )
+from fivebar_atlas.mechanisms.settings import Options
 from fivebar_atlas.mechanisms.two_legged_design import (
     TwoLeggedDesign,
     check_threshold,

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.passive_leg.jacobian import lci, matrices_in_platform_axes
 from fivebar_atlas.mechanisms.passive_leg.kinematics import (
     inverse,

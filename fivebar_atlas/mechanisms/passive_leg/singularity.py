@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from fivebar_atlas.jit import kernel
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.passive_leg.kinematics import (
     leg_vector,
     lower_link,

@@ -14,11 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray
 from fivebar_atlas.mechanisms.pentapod.geometry import PentapodGeometry
 from fivebar_atlas.mechanisms.pentapod.jacobian import jacobian_of, without_unit
 from fivebar_atlas.mechanisms.pentapod.kinematics import (
-    BoolArray,
     checked,
     checked_lengths,
     limbs,

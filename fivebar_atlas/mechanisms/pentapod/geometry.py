@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 
 #: Number of limbs; the last is the one with the revolute joint.
 LIMBS = 5

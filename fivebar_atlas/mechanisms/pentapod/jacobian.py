@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, SingularPoseError
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.pentapod.geometry import LIMBS, PentapodGeometry
 from fivebar_atlas.mechanisms.pentapod.kinematics import (
     TOLERANCE,

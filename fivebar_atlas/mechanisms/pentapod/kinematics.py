@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError, InvalidPoseError, UnknownNameError
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray, IntArray
 from fivebar_atlas.mechanisms.pentapod.geometry import LIMBS, PentapodGeometry
 from fivebar_atlas.mechanisms.pentapod.rotations import (
     euler_angles,
@@ -37,9 +37,6 @@ TOLERANCE = 1e-9
 _ROUNDING = 1e-13
 # Samples of the turn of the nearest valid pose, and bisections of the step between two of them.
 _SAMPLES, _BISECTIONS = 361, 50
-
-BoolArray = npt.NDArray[np.bool_]
-IndexArray = npt.NDArray[np.int64]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -78,7 +75,7 @@ class ConstraintSolutions:
     """
 
     poses: FloatArray
-    count: IndexArray
+    count: IntArray
     free: BoolArray
 
 

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 
 # Where |cos β| is smaller, α and γ turn about one axis.
 _LOCKED = 1e-12

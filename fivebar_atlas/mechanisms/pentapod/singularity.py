@@ -18,12 +18,10 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray, IntArray
 from fivebar_atlas.mechanisms.pentapod.geometry import LIMBS, PentapodGeometry
 from fivebar_atlas.mechanisms.pentapod.jacobian import jacobian, without_unit
 from fivebar_atlas.mechanisms.pentapod.kinematics import (
-    BoolArray,
-    IndexArray,
     checked_length,
     nearest_valid_pose,
 )
@@ -87,9 +85,9 @@ class Singularity:
     determinant: FloatArray
     singular_values: FloatArray
     inverse_condition_number: FloatArray
-    rank: IndexArray
-    dependency: IndexArray
-    free_motion: IndexArray
+    rank: IntArray
+    dependency: IntArray
+    free_motion: IntArray
     free_twist: FloatArray
 
 
@@ -175,12 +173,12 @@ def is_always_singular(geometry: PentapodGeometry) -> bool:
     return not bool(regular.any())
 
 
-def _motion(twists: FloatArray, tolerance: float) -> IndexArray:
+def _motion(twists: FloatArray, tolerance: float) -> IntArray:
     """Return the kind of motion of unit twists (v, L ω)."""
     linear, angular = twists[..., :3], twists[..., 3:]
     turning = np.linalg.norm(angular, axis=-1)
     along = np.abs(np.sum(linear * angular, axis=-1))
     # v·ω = 0: a rotation about a line, which may be far away
     rotation = np.where(along <= tolerance * turning, FreeMotion.ROTATION, FreeMotion.SCREW)
-    kind: IndexArray = np.where(turning <= tolerance, FreeMotion.TRANSLATION, rotation)
+    kind: IntArray = np.where(turning <= tolerance, FreeMotion.TRANSLATION, rotation)
     return kind

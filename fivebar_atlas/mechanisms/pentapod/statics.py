@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.mechanisms.base import FloatArray
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.pentapod.geometry import PentapodGeometry
 from fivebar_atlas.mechanisms.pentapod.jacobian import check_regular, jacobian, without_unit
 from fivebar_atlas.mechanisms.pentapod.kinematics import check_poses, checked
