@@ -22,7 +22,6 @@ from fivebar_atlas.errors import FileError, FileUsageError, InputError, UnknownN
 from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.settings import (
     DEFAULT_LCI_THRESHOLDS,
-    DEFAULT_TOLERANCE,
     Options,
     SweepSettings,
 )
@@ -301,7 +300,8 @@ def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Config
     thresholds, name = pick("lci", overrides.lci, sweep.lci, DEFAULT_LCI_THRESHOLDS)
     mechanism.check_thresholds(thresholds, name)
 
-    tolerance, name = pick("tolerance", overrides.tolerance, sweep.tolerance, DEFAULT_TOLERANCE)
+    default_tolerance = mechanism.default_tolerance
+    tolerance, name = pick("tolerance", overrides.tolerance, sweep.tolerance, default_tolerance)
     mechanism.check_tolerance(tolerance, name)
 
     options = _options(mechanism, overrides.options, sweep.options, source)

@@ -35,7 +35,6 @@ def evaluate(
     from fivebar_atlas import mechanisms
     from fivebar_atlas.mechanisms.settings import (
         DEFAULT_LCI_THRESHOLDS,
-        DEFAULT_TOLERANCE,
         SweepSettings,
     )
 
@@ -47,7 +46,7 @@ def evaluate(
         resolution=chosen.resolution_range[0],
         modes=chosen.parse_modes(mode or chosen.modes[:1], "--mode"),
         lci_thresholds=DEFAULT_LCI_THRESHOLDS if lci is None else lci,
-        tolerance=DEFAULT_TOLERANCE if tolerance is None else tolerance,
+        tolerance=chosen.default_tolerance if tolerance is None else tolerance,
         options=options.options_of(chosen, set_options),
     )
     chosen.check_thresholds(settings.lci_thresholds, "--lci")

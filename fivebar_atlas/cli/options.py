@@ -139,7 +139,10 @@ lci_option = click.option(
     help="LCI threshold of the good-condition workspace, above 0 and below 1; repeatable.",
 )
 tolerance_option = click.option(
-    "--tolerance", type=float, metavar="VALUE", help="Relative tolerance; 1e-6 if not given."
+    "--tolerance",
+    type=float,
+    metavar="VALUE",
+    help="Relative tolerance; that of the mechanism if not given: 1e-6 for five-bars.",
 )
 #: Options of the mechanism, for ``options_of``.
 set_option = click.option(

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 _REGISTRY = {
     "five-bar": "fivebar_atlas.mechanisms.five_bar.mechanism:FiveBarMechanism",
     "passive-leg": "fivebar_atlas.mechanisms.passive_leg.mechanism:PassiveLegMechanism",
+    "pentapod": "fivebar_atlas.mechanisms.pentapod.mechanism:PentapodMechanism",
 }
 
 

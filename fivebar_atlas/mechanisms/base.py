@@ -79,6 +79,8 @@ class Mechanism(ABC):
     default_resolution: int = 300
     #: Tightest and loosest tolerance.
     tolerance_range: tuple[float, float] = (1e-10, 1e-3)
+    #: Tolerance where nothing is said.
+    default_tolerance: float = 1e-6
     #: What else a sweep may choose, beyond space, mode pairs, thresholds and tolerance.
     options: tuple[SweepOption, ...] = ()
 

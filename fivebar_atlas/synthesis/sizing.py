@@ -22,7 +22,7 @@ from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.planar import PlanarDesign
 from fivebar_atlas.mechanisms.quantities import Results
 from fivebar_atlas.mechanisms.scaled_design import ScaledDesign
-from fivebar_atlas.mechanisms.settings import DEFAULT_TOLERANCE, SweepSettings
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.planar_geometry import Point, Region
 from fivebar_atlas.synthesis.containment import (
     INSIDE,
@@ -464,7 +464,7 @@ def _evaluate(good: GoodCondition) -> tuple[SweepSettings, Results]:
         resolution=mechanism.resolution_range[0],
         modes=(good.mode,),
         lci_thresholds=(good.lci_threshold,),
-        tolerance=DEFAULT_TOLERANCE,
+        tolerance=mechanism.default_tolerance,
         options=good.design.options,
     )
     return settings, mechanism.evaluate(parameters_of(good.design)[None], settings)
