@@ -12,6 +12,7 @@ import pytest
 from conftest import Command
 from matplotlib.figure import Figure
 from matplotlib.text import Text
+from report_page import read_page
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.figures.atlas_figures import quantity_figure, region_figure
@@ -77,7 +78,7 @@ def test_one_design_is_summed_up_without_a_mode(
     assert ["good_room", "at", "0.25", "1.125", "±", "1.5e-06"] in rows  # its own threshold
     page = tmp_path / "design.html"
     assert atlas("report", "evaluate", *design, "-o", page).code == 0
-    text = read_page(page).text
+    text = read_page(page.read_text(encoding="utf-8")).text
     assert "Modeless: room 1.5 ± 1.5e-06 D³ and merit 0.8, with D = 2." in text
     assert "lengths times D, volumes times D³" in text
     assert "of good-condition places" in text

@@ -49,6 +49,8 @@ if TYPE_CHECKING:
 
 # Up to this difference of every parameter designs are the same.
 _SAME_DESIGN = 1e-9
+# More options than this are not listed in a line.
+_MANY_OPTIONS = 8
 
 
 class Mechanism(ABC):
@@ -93,6 +95,11 @@ class Mechanism(ABC):
     tolerance_range: tuple[float, float] = (1e-10, 1e-3)
     #: Tolerance where nothing is said.
     default_tolerance: float = 1e-6
+    #: Relative tolerance of the values that optima are computed from; None where nothing tighter
+    #: than that of the file is within reach.
+    exact_tolerance: float | None = 1e-9
+    #: Difference of designs over which slopes of values stand out from their errors.
+    exact_step: float = 1e-4
     #: LCI thresholds where nothing is said.
     default_lci_thresholds: tuple[float, ...] = DEFAULT_LCI_THRESHOLDS
     #: What else a sweep may choose, beyond space, mode pairs, thresholds and tolerance.
@@ -340,14 +347,19 @@ class Mechanism(ABC):
     def options_text(self, options: Options, but_defaults: bool = False) -> str:
         """Return sweep options in a line: ``"theta_limit = 60 deg"``; empty if there are none.
 
-        Those that have their default value may be left out.
+        Those that have their default value may be left out. Where there are many options these
+        are not listed in any case, but said to have it.
         """
         values = dict(self.complete_options(options))
-        return ", ".join(
+        are_many = len(self.options) > _MANY_OPTIONS
+        parts = [
             f"{each.name} = {each.shown(values[each.name])}"
             for each in self.options
-            if not (but_defaults and values[each.name] == each.default)
-        )
+            if not ((but_defaults or are_many) and values[each.name] == each.default)
+        ]
+        if are_many and not but_defaults and len(parts) < len(self.options):
+            parts.append("all other options by default" if parts else "all options by default")
+        return ", ".join(parts)
 
     def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
         """Return one design as non-dimensional parameters and its dimensional factor D.

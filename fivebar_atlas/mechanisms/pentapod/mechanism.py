@@ -150,6 +150,9 @@ class PentapodMechanism(Mechanism):
     default_resolution = 40
     tolerance_range = (1e-5, 1e-1)
     default_tolerance = 1e-3
+    # means over points: values of designs next to each other differ by their errors, too
+    exact_tolerance = None
+    exact_step = 1e-2
     # with the constraint's row in G no design has much more than 0.03
     default_lci_thresholds = (0.01,)
     options = OPTIONS
