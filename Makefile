@@ -6,18 +6,22 @@ VENV ?= .venv
 OUT ?= out
 CONFIGS ?= $(sort $(wildcard configs/*.toml))
 FIGURES ?= area gci region
+# Those of one configuration, where none are asked for.
+FIGURES_pentapod ?= $(if $(filter file,$(origin FIGURES)),share gci volume region,$(FIGURES))
 FORMAT ?= png
 SWEEP_OPTIONS ?=
 PLOT_OPTIONS ?=
 # Conditions of the optimum region, one `--where` each, and those of one configuration.
 REGION ?= --where 'usable_workspace_area>=24' --where 'gci>=0.62'
 REGION_passive-leg ?= --where 'usable_workspace_area>=12' --where 'gci>=0.55'
+REGION_pentapod ?= --where 'usable_share>=0.5' --where 'gci>=0.01'
 
 BIN := $(VENV)/bin
 ATLAS := $(BIN)/atlas
 NAMES := $(notdir $(basename $(CONFIGS)))
 RESULTS := $(NAMES:%=$(OUT)/%.h5)
-PICTURES := $(foreach figure,$(FIGURES),$(NAMES:%=$(OUT)/%-$(figure).$(FORMAT)))
+figures_of = $(or $(FIGURES_$(1)),$(FIGURES))
+PICTURES := $(foreach name,$(NAMES),$(patsubst %,$(OUT)/$(name)-%.$(FORMAT),$(call figures_of,$(name))))
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -84,7 +88,7 @@ define picture
 $(OUT)/%-$(1).$(FORMAT): $(OUT)/%.h5 | $(ATLAS)
 	$$(ATLAS) plot $(1) $$< -o $$@ --overwrite $$(options_$(1)) $$(PLOT_OPTIONS)
 endef
-$(foreach figure,$(FIGURES),$(eval $(call picture,$(figure))))
+$(foreach figure,$(sort $(foreach name,$(NAMES),$(call figures_of,$(name)))),$(eval $(call picture,$(figure))))
 
 .PHONY: picture
 picture: $(OUT)/paper.h5 ## Redraw the picture of the README

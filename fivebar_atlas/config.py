@@ -20,11 +20,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from fivebar_atlas import mechanisms
 from fivebar_atlas.errors import FileError, FileUsageError, InputError, UnknownNameError
 from fivebar_atlas.mechanisms.base import Mechanism
-from fivebar_atlas.mechanisms.settings import (
-    DEFAULT_LCI_THRESHOLDS,
-    Options,
-    SweepSettings,
-)
+from fivebar_atlas.mechanisms.settings import Options, SweepSettings
 
 #: Far above any machine's number of cores, so that a slip of the keyboard is caught.
 MOST_THREADS = 1024
@@ -297,7 +293,8 @@ def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Config
     texts, name = pick("mode", overrides.mode, sweep.mode, mechanism.modes[:1])
     modes = mechanism.parse_modes(texts, name)
 
-    thresholds, name = pick("lci", overrides.lci, sweep.lci, DEFAULT_LCI_THRESHOLDS)
+    usual = mechanism.default_lci_thresholds
+    thresholds, name = pick("lci", overrides.lci, sweep.lci, usual)
     mechanism.check_thresholds(thresholds, name)
 
     default_tolerance = mechanism.default_tolerance
@@ -337,14 +334,12 @@ def _options(
 ) -> Options:
     """Return all options of a mechanism, each one checked under the name it was given by."""
     given = given or {}
-    values = dict(
-        mechanism.complete_options(
-            from_file or {}, lambda name: _name(("sweep", "options", name), source)
-        )
-    )
-    typed = mechanism.complete_options(given, "--set {}".format)
-    values.update((name, value) for name, value in typed if name in given)
-    return tuple(values.items())
+
+    def named(name: str) -> str:
+        return f"--set {name}" if name in given else _name(("sweep", "options", name), source)
+
+    # together: the ends of a range may come from either
+    return mechanism.complete_options({**(from_file or {}), **given}, named)
 
 
 def _toml_value(value: float | bool) -> str:

@@ -11,6 +11,9 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+# Names that a message has at most, and those of more that are nearest to what was given.
+_MANY, _NEAREST, _LIKENESS = 12, 5, 0.5
+
 
 class AtlasError(Exception):
     """Base of everything this package raises on purpose.
@@ -51,18 +54,30 @@ class InputError(AtlasError, ValueError):
 
 
 class UnknownNameError(InputError):
-    """A name is not among those there are; the nearest known one is offered."""
+    """A name is not among those there are; the nearest known one is offered.
 
-    def __init__(self, name: str, value: str, known: Iterable[str]) -> None:
+    Parameters
+    ----------
+    name, value
+        As for :class:`InputError`.
+    known
+        Names that there are.
+    listed_by
+        What lists them all, ``"'atlas mechanisms five-bar'"``: of many names the message then has
+        only the nearest ones. Empty where nothing else does.
+    """
+
+    def __init__(self, name: str, value: str, known: Iterable[str], listed_by: str = "") -> None:
         known = list(known)
         near = difflib.get_close_matches(str(value), known, n=1)
         hint = f" (did you mean {near[0]!r}?)" if near else ""
-        super().__init__(name, value, f"one of {', '.join(known)}{hint}")
+        super().__init__(name, value, f"one of {_names(value, known, listed_by)}{hint}")
         self.known = known
+        self.listed_by = listed_by
 
     def renamed(self, name: str, value: Any) -> InputError:
         """Return the same error for a value under another name, as the user wrote both."""
-        return UnknownNameError(name, value, self.known)
+        return UnknownNameError(name, value, self.known, self.listed_by)
 
 
 class ForeignNameError(UnknownNameError):
@@ -78,6 +93,8 @@ class ForeignNameError(UnknownNameError):
         The mechanisms whose name it is.
     own
         The mechanism of the file.
+    listed_by
+        As for :class:`UnknownNameError`.
     """
 
     def __init__(
@@ -88,17 +105,28 @@ class ForeignNameError(UnknownNameError):
         kind: str,
         owners: Sequence[str],
         own: str,
+        listed_by: str = "",
     ) -> None:
-        super().__init__(name, value, known)
+        super().__init__(name, value, known, listed_by)
         self.kind, self.owners, self.own = kind, owners, own
         self.args = (
             f"{name}: {value!r} is a {kind} of {', '.join(owners)}; this file is of {own}, "
-            f"which has {', '.join(self.known)}",
+            f"which has {_names(value, self.known, listed_by)}",
         )
 
     def renamed(self, name: str, value: Any) -> InputError:
         """Return the same error for a value under another name, as the user wrote both."""
-        return ForeignNameError(name, value, self.known, self.kind, self.owners, self.own)
+        kind, owners, own = self.kind, self.owners, self.own
+        return ForeignNameError(name, value, self.known, kind, owners, own, self.listed_by)
+
+
+def _names(value: str, known: Sequence[str], listed_by: str) -> str:
+    """Return known names in a line: all, or of many those nearest to what was given."""
+    if not listed_by or len(known) <= _MANY:
+        return ", ".join(known)
+    near = difflib.get_close_matches(str(value), known, _NEAREST, _LIKENESS)
+    shown = near or known[:_NEAREST]
+    return f"{', '.join(shown)} and {len(known) - len(shown)} more that {listed_by} lists"
 
 
 class OutOfReachError(InputError):

@@ -1,4 +1,4 @@
-"""Result files as tidy tables: comma-separated text, one row a design and mode pair."""
+"""Result files as tidy tables: comma-separated text, one row a design and mode."""
 
 from __future__ import annotations
 

@@ -535,7 +535,8 @@ class Atlas:
         Returns
         -------
         ndarray
-            Shape (designs,). What the quantity does not depend on is ignored.
+            Shape (designs,). What the quantity does not depend on is ignored, a mode pair that
+            the mechanism has not excepted.
 
         Raises
         ------
@@ -548,6 +549,7 @@ class Atlas:
         """
         if name not in self.names:
             raise self.unknown("quantity", name, self.names)
+        self._parse_mode(mode)
         return self.read(name, (slice(None), *self._indices(name, mode, lci)))
 
     def _indices(self, name: str, mode: str | None, lci: float | None) -> tuple[int, ...]:
@@ -563,15 +565,19 @@ class Atlas:
 
     def mode_index(self, mode: str | None) -> int:
         """Return the place of a mode pair on the mode axis; raise as :meth:`select` does."""
-        try:
-            label = mode if mode is None else self.mechanism.parse_mode(mode)
-        except UnknownNameError as error:
-            raise self.unknown(error.name, error.value, error.known) from None
+        label = self._parse_mode(mode)
         if label is None and len(self.modes) == 1:
             return 0
         if label not in self.modes:
             raise InputError("mode", mode, f"one of those in {self.path}: {', '.join(self.modes)}")
         return self.modes.index(label)
+
+    def _parse_mode(self, mode: str | None) -> str | None:
+        """Return the canonical label of a mode pair, None for none; raise UnknownNameError."""
+        try:
+            return mode if mode is None else self.mechanism.parse_mode(mode)
+        except UnknownNameError as error:
+            raise self.unknown(error.name, error.value, error.known) from None
 
     def lci_index(self, lci: float | None) -> int:
         """Return the place of a threshold on its axis; raise as :meth:`select` does."""

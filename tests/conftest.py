@@ -82,6 +82,14 @@ def sliced(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
 
 
 @pytest.fixture
+def modeless(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """Register the mechanism of ``modeless_mechanism``; returns its name."""
+    monkeypatch.setitem(mechanisms._REGISTRY, "modeless", "modeless_mechanism:ModelessMechanism")
+    yield "modeless"
+    mechanisms.get.cache_clear()
+
+
+@pytest.fixture
 def toy_settings(toy: str) -> SweepSettings:
     """Return a sweep of the toy mechanism in several blocks."""
     return SweepSettings(toy, "whole", 200, ("right", "left"), (0.25, 0.5, 0.75), 1e-6)

@@ -38,7 +38,7 @@ def opened(file: Path) -> Iterator[Atlas]:
         (
             ("optimum", "--where", "span_error<1"),
             "--where: 'span_error' is a quantity of toy",
-            PARAMETERS,
+            "gci_error",  # the nearest
         ),
         (("optimum", "--maximise", "gci,span"), "--maximise: 'span' is a quantity", PARAMETERS),
         (("optimum", "--pareto", "gci,-span"), "--pareto: 'span' is a quantity", PARAMETERS),

@@ -24,7 +24,13 @@ from fivebar_atlas.numerics.quadrature import (
     gauss_kronrod,
     kronrod_error,
 )
-from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
+from fivebar_atlas.numerics.roots import (
+    FOUND,
+    first_sections,
+    first_share,
+    next_section,
+    next_share,
+)
 
 pytestmark = pytest.mark.nojit
 
@@ -101,6 +107,30 @@ def test_bracket_steps_find_the_root(function: Callable[[float], float], root: f
         steps += 1
     assert x1 == pytest.approx(root, abs=1e-12)
     assert steps <= 50
+
+
+@pytest.mark.parametrize("turning", [0.05, 0.37, 0.5, 0.93])
+def test_golden_sections_walk_down_to_a_turning_point(turning: float) -> None:
+    def function(x: float) -> float:
+        return (x - turning) ** 2 - 1e-9
+
+    left, right = 0.0, 1.0
+    x1, x2 = first_sections(left, right)
+    assert right - x2 == pytest.approx(x1 - left, rel=1e-12)
+    y1 = y2 = math.nan
+    for step in range(30):
+        wide = right - left
+        left, right, x1, y1, x2, y2, trial = next_section(step, left, right, x1, y1, x2, y2)
+        assert left < x1 < x2 < right
+        assert left < turning < right
+        assert (right - left) / wide == pytest.approx(1.0 if step < 2 else 0.618034, rel=1e-2)
+        assert trial in (x1, x2)
+        if trial == x1:
+            y1 = function(trial)
+        else:
+            y2 = function(trial)
+    # low enough to show the two roots beside it
+    assert min(y1, y2) < 0.0
 
 
 def test_circle_radius_lies_on_the_circle() -> None:

@@ -30,13 +30,10 @@ def evaluate(
     """Evaluate one design, dimensional or not: workspaces, indices, circles.
 
     Lengths are scaled to a non-dimensional design by a dimensional factor D; both are
-    reported. Lengths scale back with D, areas with its square.
+    reported. Lengths scale back with D, areas with its square, volumes with its cube.
     """
     from fivebar_atlas import mechanisms
-    from fivebar_atlas.mechanisms.settings import (
-        DEFAULT_LCI_THRESHOLDS,
-        SweepSettings,
-    )
+    from fivebar_atlas.mechanisms.settings import SweepSettings
 
     chosen = mechanisms.get(mechanism or mechanisms.names()[0])
     parameters, factor = chosen.from_lengths(lengths)
@@ -45,7 +42,7 @@ def evaluate(
         space=chosen.spaces[0],
         resolution=chosen.resolution_range[0],
         modes=chosen.parse_modes(mode or chosen.modes[:1], "--mode"),
-        lci_thresholds=DEFAULT_LCI_THRESHOLDS if lci is None else lci,
+        lci_thresholds=chosen.default_lci_thresholds if lci is None else lci,
         tolerance=chosen.default_tolerance if tolerance is None else tolerance,
         options=options.options_of(chosen, set_options),
     )

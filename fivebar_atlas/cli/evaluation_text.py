@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 # Wide enough for every name, and the whole line for a terminal of 80 columns.
 _LABEL_WIDTH = 40
+# What scales with a power of D.
+_POWERS = {1: "lengths", 2: "areas", 3: "volumes"}
 # Mode pairs that a report draws: each takes two figures.
 _DRAWN = 4
 
@@ -93,9 +95,10 @@ class EvaluationText:
 
     @property
     def summary(self) -> str:
-        """The first values of the first mode pair, in a sentence."""
+        """The first values of the first mode pair, or of the design, in a sentence."""
         modes = self._modes
-        entries = [entry for entry in self._of_mode(0) if not entry.is_word] if modes else []
+        found = self._of_mode(0) if modes else self._without_mode()
+        entries = [entry for entry in found if not entry.is_word]
         if not entries:
             return f"{self.mechanism.title}."
         values = " and ".join(
@@ -103,7 +106,8 @@ class EvaluationText:
             for entry in entries[:2]
         )
         factor = "" if self.factor == 1.0 else f", with D = {self.factor:.8g}"
-        return f"{self.mechanism.title} in the mode pair {modes[0]}: {values}{factor}."
+        mode = f" in the {self.mechanism.mode_phrase} {modes[0]}" if modes else ""
+        return f"{self.mechanism.title}{mode}: {values}{factor}."
 
     def lines(self) -> Iterator[str]:
         """Yield the lines of a readable table."""
@@ -122,13 +126,14 @@ class EvaluationText:
 
     def sections(self) -> list[Section]:
         """Return choices, design and every mode pair as sections of a report."""
-        settings = self.settings
+        settings, phrase = self.settings, capitalised(self.mechanism.mode_phrase)
+        of_what = f"of good-condition {self.mechanism.usable_phrase}s"
         thresholds = ", ".join(f"{value:g}" for value in settings.lci_thresholds)
         drawn = f"figures of the first {_DRAWN}" if len(self._modes) > _DRAWN else ""
         choices = (
             Row("Mechanism", self.mechanism.title, note=self.mechanism.source),
-            Row("Mode pairs", ", ".join(settings.modes), note=drawn),
-            Row("LCI thresholds", thresholds, note="of the good-condition workspace"),
+            *([Row(f"{phrase}s", ", ".join(settings.modes), note=drawn)] if self._modes else []),
+            Row("LCI thresholds", thresholds, note=of_what),
             Row("Relative tolerance", f"{settings.tolerance:g}", note="of what is integrated"),
             *option_rows(self.mechanism, settings.options),
         )
@@ -137,16 +142,16 @@ class EvaluationText:
         sentence += " is integrated has an absolute error estimate."
         if self.factor != 1.0:
             powers = {each.length_power for each in self.mechanism.quantities}
-            others = "".join(
-                f", what is in {raised('D', power)} times that"
-                for power in sorted(powers - {0, 1, 2})
+            scaled = ", ".join(
+                f"{_POWERS.get(power, 'what is in that power')} times {raised('D', power)}"
+                for power in sorted({1, *powers} - {0})
             )
-            sentence += f" The last column has lengths times D and areas times D²{others}."
+            sentence += f" The last column has {scaled}."
         return [
             Section("Choices", rows=choices),
             Section("Design", (sentence,), tables=(self._table(self._of_design()),)),
             *(
-                Section(f"Mode pair {label}", tables=(self._table(self._of_mode(number)),))
+                Section(f"{phrase} {label}", tables=(self._table(self._of_mode(number)),))
                 for number, label in enumerate(self._modes)
             ),
         ]
@@ -179,13 +184,17 @@ class EvaluationText:
 
     def _of_design(self) -> Iterator[_Entry]:
         """Yield D, the lengths, and the quantities that do not depend on the mode pair."""
-        from fivebar_atlas.mechanisms.quantities import MODE
-
         yield _Entry("dimensional factor D", "dimensional factor D", f"{self.factor:.8g}")
         (proportions,) = self.mechanism.proportions_of(self.parameters[None])
         for each, value in zip(self.mechanism.proportions, proportions, strict=True):
             length = "" if self.factor == 1.0 else f"{self.factor * value:.8g}"
             yield _Entry(each.name, f"{each.long_name} {each.name}", f"{value:.8g}", "", length)
+        yield from self._without_mode()
+
+    def _without_mode(self) -> Iterator[_Entry]:
+        """Yield the quantities that do not depend on the mode pair."""
+        from fivebar_atlas.mechanisms.quantities import MODE
+
         for quantity in self.mechanism.quantities:
             if MODE not in quantity.dimensions:
                 yield from self._entries(quantity, {})

@@ -13,7 +13,7 @@ from fivebar_atlas.cli import options
 @options.overwrite_option
 @options.quiet_option
 def export(file: str, output: str, overwrite: bool, quiet: bool) -> None:
-    """Write a result file as comma-separated text, one row a design and mode pair.
+    """Write a result file as comma-separated text, one row a design and mode.
 
     What depends on an LCI threshold has a column for each, such as
     good_condition_gci_lci_threshold_0.5. What does not exist is nan.

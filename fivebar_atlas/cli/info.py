@@ -10,8 +10,12 @@ import click
 from fivebar_atlas.cli import options
 
 if TYPE_CHECKING:
+    from fivebar_atlas.mechanisms.base import Mechanism
     from fivebar_atlas.mechanisms.quantities import Quantity
+    from fivebar_atlas.mechanisms.settings import Options
     from fivebar_atlas.store import Atlas
+
+_WIDTH = 16
 
 
 @click.command()
@@ -23,8 +27,8 @@ def info(file: str, as_json: bool) -> None:
 
     with open_atlas(file) as atlas:
         document = _document(atlas)
-        options_text = atlas.mechanism.options_text(atlas.settings.options)
-    click.echo(json.dumps(document, indent=2) if as_json else _text(document, options_text))
+        text = "" if as_json else _text(document, atlas.mechanism, atlas.settings.options)
+    click.echo(json.dumps(document, indent=2) if as_json else text)
 
 
 def _document(atlas: Atlas) -> dict[str, Any]:
@@ -83,18 +87,21 @@ def _quantity(atlas: Atlas, quantity: Quantity) -> dict[str, Any]:
     return entry
 
 
-def _text(document: dict[str, Any], options_text: str) -> str:
+def _text(document: dict[str, Any], mechanism: Mechanism, options: Options) -> str:
     """Return the document as lines for a reader, with the options of the mechanism, if any."""
+    options_text = mechanism.options_text(options)
+    modes = f"{mechanism.mode_phrase}s"
     lines = [
         f"{document['file']} ({document['bytes']:,} bytes)",
         f"{document['title']}; {document['source']}",
         "",
-        f"designs         {document['designs']:,} of the {document['space']} design space, "
+        f"{'designs':{_WIDTH}}{document['designs']:,} of the {document['space']} design space, "
         f"N = {document['resolution']}",
-        f"mode pairs      {', '.join(document['modes'])}",
-        f"LCI thresholds  {', '.join(f'{v!r}' for v in document['lci_thresholds']) or 'none'}",
-        f"tolerance       {document['tolerance']:g}",
-        *([f"options         {options_text}"] if options_text else []),
+        *([f"{modes:{_WIDTH}}{', '.join(document['modes'])}"] if mechanism.has_modes else []),
+        f"{'LCI thresholds':{_WIDTH}}"
+        f"{', '.join(f'{v!r}' for v in document['lci_thresholds']) or 'none'}",
+        f"{'tolerance':{_WIDTH}}{document['tolerance']:g}",
+        *([f"{'options':{_WIDTH}}{options_text}"] if options_text else []),
         "",
     ]
     width = max(len(entry["name"]) for entry in document["quantities"])

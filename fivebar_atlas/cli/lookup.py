@@ -27,7 +27,7 @@ def lookup(lengths: list[float], file: str, as_json: bool) -> None:
 
     Shows its dimensional factor D, its non-dimensional design and, for every stored
     quantity, the value interpolated between designs of the lattice, the exact one and the
-    difference; lengths and areas also in the unit of the machine.
+    difference; lengths, areas and volumes also in the unit of the machine.
     """
     from fivebar_atlas.store import open_atlas
     from fivebar_atlas.synthesis.lookup import look_up

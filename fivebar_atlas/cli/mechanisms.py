@@ -46,6 +46,7 @@ def _document(mechanism: Mechanism) -> dict[str, Any]:
         "spaces": list(mechanism.spaces),
         "slices": list(mechanism.slices),
         "modes": list(mechanism.modes),
+        "mode_phrase": mechanism.mode_phrase,
         "resolution_range": [least, greatest],
         "tolerance_range": [tightest, loosest],
         "options": [
@@ -63,6 +64,7 @@ def _document(mechanism: Mechanism) -> dict[str, Any]:
                 "long_name": each.long_name,
                 "unit": each.unit,
                 "dimensions": list(each.dimensions),
+                "error": each.error_name if each.has_error else None,
             }
             for each in mechanism.stored_quantities
         ],
@@ -86,16 +88,20 @@ def _details(document: dict[str, Any]) -> Iterator[str]:
     yield f"{'parameters':{_WIDTH}}{' '.join(document['parameters'])}{scaled}"
     yield from _table(document["parameters"])
     yield f"{'design spaces':{_WIDTH}}{', '.join(document['spaces'] + document['slices'])}"
-    yield f"{'mode pairs':{_WIDTH}}{', '.join(document['modes'])}"
+    modes = f"{document['mode_phrase']}s"
+    yield f"{modes:{_WIDTH}}{', '.join(document['modes'])}"
     for label, key in (("resolution", "resolution_range"), ("tolerance", "tolerance_range")):
         least, greatest = document[key]
         yield f"{label:{_WIDTH}}{least:g} to {greatest:g}"
-    yield f"{'options':{_WIDTH}}{', '.join(each['name'] for each in document['options']) or 'none'}"
+    yield "options" if document["options"] else f"{'options':{_WIDTH}}none"
     for each in document["options"]:
         default = json.dumps(each["default"])
         yield f"  {each['name']}: {each['long_name']}; {each['allowed']}, {default} if not given"
     yield "quantities"
-    yield from _table({each["name"]: each["long_name"] for each in document["quantities"]})
+    quantities = document["quantities"]
+    yield from _table({each["name"]: each["long_name"] for each in quantities})
+    errors = ", ".join(each["error"] for each in quantities if each["error"])
+    yield f"{'error estimates':{_WIDTH}}{errors or 'none'}"
 
 
 def _lengths(document: dict[str, Any]) -> str:

@@ -21,7 +21,7 @@ def draw_region(
     lci: float | None,
     **drawing: Any,
 ) -> Any:
-    """Return the region of conditions over area and GCI; ``drawing`` may have a width."""
+    """Return the region of conditions over two quantities; ``drawing`` may have a width."""
     from fivebar_atlas.figures.atlas_figures import region_figure
 
     return region_figure(atlas, region, _bounds(conditions), mode, lci, **drawing)

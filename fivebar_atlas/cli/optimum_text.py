@@ -131,7 +131,8 @@ class OptimumText:
         if candidates.conditions:
             if self._has_region_figure:
                 where = f"Designs with {self._spelled_conditions}"
-                text = f"{where}, over contours of the workspace area and of the GCI."
+                size, quality = map(self._long_name, study.atlas.mechanism.region_quantities)
+                text = f"{where}, over contours of the {size} and of the {quality}."
                 figures.append(Captioned(text, self._draw_region))
         else:
             for name in study.shown[:_MAPS]:
@@ -166,9 +167,8 @@ class OptimumText:
     @property
     def _has_region_figure(self) -> bool:
         """Whether the file has the two quantities that a region is drawn over."""
-        from fivebar_atlas.figures.atlas_figures import AREA, CONDITIONING
-
-        return {AREA, CONDITIONING} <= set(self.study.atlas.names)
+        atlas = self.study.atlas
+        return set(atlas.mechanism.region_quantities) <= set(atlas.names)
 
     def _draw_region(self) -> Any:
         found = self.study.candidates
@@ -198,7 +198,8 @@ class OptimumText:
         document, atlas = self.document, self.study.atlas
         if options := atlas.mechanism.options_text(atlas.settings.options):
             yield Row("options", options)
-        for label, key in (("mode pair", "mode"), ("LCI threshold", "lci_threshold")):
+        chosen = ((atlas.mechanism.mode_phrase, "mode"), ("LCI threshold", "lci_threshold"))
+        for label, key in chosen:
             if document[key] is not None:
                 yield Row(label, str(document[key]))
         yield Row("conditions", self._conditions or "none")

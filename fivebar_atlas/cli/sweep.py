@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 def sweep(
     config_path: str | None, resume: bool, overwrite: bool, quiet: bool, **given: Any
 ) -> None:
-    """Compute an atlas: every design of a design space, for some mode pairs.
+    """Compute an atlas: every design of a design space, for some modes.
 
     Options may also stand in CONFIG.toml; the command line wins. An interrupted sweep
     keeps its finished blocks in FILE.h5.partial, and --resume goes on with them.
     """
-    from fivebar_atlas import config
+    from fivebar_atlas import config, mechanisms
     from fivebar_atlas.executors import ThreadExecutor
     from fivebar_atlas.store import AtlasWriter, is_complete
     from fivebar_atlas.sweep import Sweep
@@ -60,8 +60,10 @@ def sweep(
             writer.assemble()
         except KeyboardInterrupt:
             raise click.Abort(_kept(work, writer)) from None
-    total, pairs = len(work.designs), ", ".join(settings.modes)
-    _say(f"{output}: {total:,} designs, {pairs}, {time.monotonic() - began:.1f} s", quiet)
+    parts = [f"{len(work.designs):,} designs"]
+    if mechanisms.get(settings.mechanism).has_modes:
+        parts += settings.modes
+    _say(f"{output}: {', '.join(parts)}, {time.monotonic() - began:.1f} s", quiet)
 
 
 def _run(work: Sweep, writer: AtlasWriter, executor: Executor, quiet: bool) -> None:

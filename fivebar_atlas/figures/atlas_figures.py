@@ -28,10 +28,6 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
-#: The quantities of the two atlases that an optimum region is drawn on.
-AREA = "usable_workspace_area"
-CONDITIONING = "gci"
-
 #: The quantity that explains every value that is not a number.
 STATUS = "status"
 
@@ -162,7 +158,7 @@ def region_figure(
     *,
     width: float = style.COLUMN_WIDTH,
 ) -> Figure:
-    """Draw an optimum region over the workspace area and the global conditioning index.
+    """Draw an optimum region over two quantities: how large workspaces are, and how good.
 
     Parameters
     ----------
@@ -193,7 +189,7 @@ def region_figure(
     """
     layers = []
     reasons = []
-    for name in (AREA, CONDITIONING):
+    for name in atlas.mechanism.region_quantities:
         array = stored_array(atlas, name)
         values = atlas.select(name, mode, lci)
         values = np.where(without_workspace(atlas, array.quantity, mode), np.nan, values)
@@ -201,7 +197,7 @@ def region_figure(
         reasons.append(why_missing(atlas, array.quantity, values, mode, lci))
     parameters = [parameter.name for parameter in atlas.mechanism.parameters]
     bounded = [stored_array(atlas, name) for name, _, _ in conditions if name not in parameters]
-    parts = ["Optimum region", _mode_part(atlas, mode)]
+    parts = ["Optimum region", *([_mode_part(atlas, mode)] if atlas.mechanism.has_modes else [])]
     if any(THRESHOLD in array.quantity.dimensions for array in bounded):
         parts.append(_threshold_part(atlas, lci))
     parts += _option_parts(atlas)
@@ -399,7 +395,7 @@ def why_missing(
     """
     if THRESHOLD in quantity.dimensions:
         # Empty workspaces among them: there, too, no point reaches the threshold.
-        return f"no workspace with {_threshold_part(atlas, lci)}"
+        return f"no {atlas.mechanism.usable_phrase} with {_threshold_part(atlas, lci)}"
     flags, status = _status(atlas, quantity, mode)
     gone = np.isnan(values)
     shared = int(np.bitwise_and.reduce(status[gone])) if gone.any() else 0

@@ -52,11 +52,13 @@ def unknown_name(
     others = {each: get(each).kind_of(value) for each in names() if each != mechanism.name}
     owners = {each: kind for each, kind in others.items() if kind}
     # what is known here, too, is only not what was asked for
+    known = list(known)
+    listed_by = mechanism.listed_by if set(known) <= set(mechanism.listed_names) else ""
     if not owners or mechanism.kind_of(value):
-        return UnknownNameError(name, value, known)
+        return UnknownNameError(name, value, known, listed_by)
     kind = next(iter(owners.values()))
     alike = [each for each, other in owners.items() if other == kind]
-    return ForeignNameError(name, value, known, kind, alike, mechanism.name)
+    return ForeignNameError(name, value, known, kind, alike, mechanism.name, listed_by)
 
 
 def planar_design(

@@ -22,6 +22,7 @@ from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray, IntArray
 from fivebar_atlas.mechanisms.charts import DesignChart
 from fivebar_atlas.mechanisms.quantities import (
     DESIGN,
+    MODE,
     Axis,
     NormalisedProduct,
     Parameter,
@@ -30,7 +31,12 @@ from fivebar_atlas.mechanisms.quantities import (
     Results,
     plain,
 )
-from fivebar_atlas.mechanisms.settings import Options, SweepOption, SweepSettings
+from fivebar_atlas.mechanisms.settings import (
+    DEFAULT_LCI_THRESHOLDS,
+    Options,
+    SweepOption,
+    SweepSettings,
+)
 
 if TYPE_CHECKING:
     from fivebar_atlas.mechanisms.planar import (
@@ -43,6 +49,8 @@ if TYPE_CHECKING:
 
 # Up to this difference of every parameter designs are the same.
 _SAME_DESIGN = 1e-9
+# More options than this are not listed in a line.
+_MANY_OPTIONS = 8
 
 
 class Mechanism(ABC):
@@ -68,6 +76,12 @@ class Mechanism(ABC):
     normalised: tuple[NormalisedProduct, ...] = ()
     #: Canonical labels of all mode pairs, the default first.
     modes: tuple[str, ...]
+    #: What one of them is called.
+    mode_phrase: str = "mode pair"
+    #: What an index is averaged over, as in "no workspace with LCI ≥ 0.5".
+    usable_phrase: str = "workspace"
+    #: The two quantities over which an optimum region is drawn: how large, and how good.
+    region_quantities: tuple[str, str] = ("usable_workspace_area", "gci")
     #: Names of the design spaces, the default first and the widest last.
     spaces: tuple[str, ...]
     #: How further spaces are written that are too many for a list, ``"l_a=VALUE"``;
@@ -81,6 +95,13 @@ class Mechanism(ABC):
     tolerance_range: tuple[float, float] = (1e-10, 1e-3)
     #: Tolerance where nothing is said.
     default_tolerance: float = 1e-6
+    #: Relative tolerance of the values that optima are computed from; None where nothing tighter
+    #: than that of the file is within reach.
+    exact_tolerance: float | None = 1e-9
+    #: Difference of designs over which slopes of values stand out from their errors.
+    exact_step: float = 1e-4
+    #: LCI thresholds where nothing is said.
+    default_lci_thresholds: tuple[float, ...] = DEFAULT_LCI_THRESHOLDS
     #: What else a sweep may choose, beyond space, mode pairs, thresholds and tolerance.
     options: tuple[SweepOption, ...] = ()
 
@@ -93,6 +114,23 @@ class Mechanism(ABC):
         except KeyError:
             return name
         return greek + name.removeprefix(letter)
+
+    @property
+    def has_modes(self) -> bool:
+        """Whether any quantity depends on the mode; if none does, results have no such axis."""
+        return any(MODE in quantity.dimensions for quantity in self.stored_quantities)
+
+    @property
+    def listed_by(self) -> str:
+        """The command that lists parameters, options and quantities."""
+        return f"'atlas mechanisms {self.name}'"
+
+    @property
+    def listed_names(self) -> tuple[str, ...]:
+        """What it lists of an atlas: parameters, quantities and error estimates."""
+        stored = self.stored_quantities
+        errors = (each.error_name for each in stored if each.has_error)
+        return (*(p.name for p in self.parameters), *(q.name for q in stored), *errors)
 
     @property
     def proportions(self) -> tuple[Parameter, ...]:
@@ -298,7 +336,7 @@ class Mechanism(ABC):
                 allowed = f"no option: the mechanism {self.name} has none"
                 raise InputError(named(name), name, allowed)
             if name not in known:
-                raise UnknownNameError(named(name), name, known)
+                raise UnknownNameError(named(name), name, known, self.listed_by)
         return tuple(
             (option.name, option.check(values[option.name], named(option.name)))
             if option.name in values
@@ -309,14 +347,19 @@ class Mechanism(ABC):
     def options_text(self, options: Options, but_defaults: bool = False) -> str:
         """Return sweep options in a line: ``"theta_limit = 60 deg"``; empty if there are none.
 
-        Those that have their default value may be left out.
+        Those that have their default value may be left out. Where there are many options these
+        are not listed in any case, but said to have it.
         """
         values = dict(self.complete_options(options))
-        return ", ".join(
+        are_many = len(self.options) > _MANY_OPTIONS
+        parts = [
             f"{each.name} = {each.shown(values[each.name])}"
             for each in self.options
-            if not (but_defaults and values[each.name] == each.default)
-        )
+            if not ((but_defaults or are_many) and values[each.name] == each.default)
+        ]
+        if are_many and not but_defaults and len(parts) < len(self.options):
+            parts.append("all other options by default" if parts else "all options by default")
+        return ", ".join(parts)
 
     def from_lengths(self, lengths: Sequence[float]) -> tuple[FloatArray, float]:
         """Return one design as non-dimensional parameters and its dimensional factor D.
@@ -369,7 +412,7 @@ class Mechanism(ABC):
         InputError
             If the lengths make no mechanism, or its output does not move in a plane.
         """
-        raise InputError("mechanism", self.name, "a mechanism whose output point moves in a plane")
+        raise self._without("a mechanism whose output point moves in a plane", "planar_design")
 
     def design_of(self, parameters: FloatArray, options: Options = ()) -> PlanarDesign:
         """Return the non-dimensional design of parameters, shape (parameters,).
@@ -390,9 +433,8 @@ class Mechanism(ABC):
         InputError
             If the ratio is out of range, or the mechanism has no such configuration.
         """
-        raise InputError(
-            "mechanism", self.name, "a mechanism with an optimal configuration in closed form"
-        )
+        needed = "a mechanism with an optimal configuration in closed form"
+        raise self._without(needed, "optimal_configuration")
 
     def scan_placements(
         self,
@@ -425,9 +467,8 @@ class Mechanism(ABC):
         InputError
             If the designs of the mechanism cannot be searched for a shape.
         """
-        raise InputError(
-            "mechanism", self.name, "a mechanism whose designs can be searched for a shape"
-        )
+        needed = "a mechanism whose designs can be searched for a shape"
+        raise self._without(needed, "scan_placements")
 
     def placed_extremes(
         self,
@@ -450,9 +491,8 @@ class Mechanism(ABC):
         InputError
             If the designs of the mechanism cannot be searched for a shape.
         """
-        raise InputError(
-            "mechanism", self.name, "a mechanism whose designs can be searched for a shape"
-        )
+        needed = "a mechanism whose designs can be searched for a shape"
+        raise self._without(needed, "placed_extremes")
 
     def moving_links(self, designs: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return the lengths of all moving links together, shape (n,), for designs.
@@ -462,7 +502,7 @@ class Mechanism(ABC):
         InputError
             If the mechanism has no such sum.
         """
-        raise InputError("mechanism", self.name, "a mechanism of links of constant length")
+        raise self._without("a mechanism of links of constant length", "moving_links")
 
     def actuated_link(self, designs: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return the length of the actuated link, shape (n,), of designs.
@@ -472,7 +512,19 @@ class Mechanism(ABC):
         InputError
             If the mechanism has no such link, or several of different lengths.
         """
-        raise InputError("mechanism", self.name, "a mechanism with one length of actuated links")
+        raise self._without("a mechanism with one length of actuated links", "actuated_link")
+
+    def _without(self, needed: str, method: str) -> InputError:
+        """Return the error for what a mechanism does not have, with those that do."""
+        from fivebar_atlas import mechanisms
+
+        own = getattr(Mechanism, method)
+        able = [
+            name
+            for name in mechanisms.names()
+            if getattr(type(mechanisms.get(name)), method) is not own
+        ]
+        return InputError("mechanism", self.name, f"{needed}: {', '.join(able)}")
 
     def check_count(self, lengths: Sequence[float]) -> None:
         """Raise InputError unless there is one number for each of ``lengths``."""
@@ -533,10 +585,11 @@ class Mechanism(ABC):
         for quantity in self.stored_quantities:
             if quantity.name == name:
                 return quantity
-        raise UnknownNameError("quantity", name, [q.name for q in self.stored_quantities])
+        known = [quantity.name for quantity in self.stored_quantities]
+        raise UnknownNameError("quantity", name, known, self.listed_by)
 
     def kind_of(self, name: str) -> str:
-        """Return what a name is here: quantity, parameter or mode pair; empty if it is nothing."""
+        """Return what a name is here: quantity, parameter or mode; empty if it is nothing."""
         if any(name in (each.name, each.error_name) for each in self.stored_quantities):
             return "quantity"
         if any(name == each.name for each in self.parameters):
@@ -545,7 +598,7 @@ class Mechanism(ABC):
             self.parse_mode(name)
         except UnknownNameError:
             return ""
-        return "mode pair"
+        return self.mode_phrase
 
     def parse_modes(self, texts: Sequence[str], name: str = "mode") -> tuple[str, ...]:
         """Return canonical labels, ``"all"`` expanded and repetitions dropped."""
@@ -557,5 +610,5 @@ class Mechanism(ABC):
                 # Under the name that the user gave the value by.
                 raise UnknownNameError(name, text, [*self.modes, "all"]) from None
         if not labels:
-            raise InputError(name, list(texts), "at least one mode pair")
+            raise InputError(name, list(texts), f"at least one {self.mode_phrase}")
         return tuple(dict.fromkeys(labels))

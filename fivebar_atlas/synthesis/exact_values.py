@@ -20,9 +20,6 @@ from fivebar_atlas.synthesis.design_polygon import DesignPolygon
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Relative tolerance of values that regions and optima are computed from.
-TOLERANCE = 1e-9
-
 #: Relative tolerances while regions and optima are searched for, and of a first survey.
 SEARCH_TOLERANCE, SURVEY_TOLERANCE = 1e-7, 1e-6
 
@@ -34,9 +31,6 @@ OPEN_MARGINS = (2e-6, 1.1e-3)
 
 # Places along a side that are looked at.
 _SHARES = (0.2, 0.5, 0.8)
-
-#: Step of differences in the chart: its square and the tolerance over it are alike small.
-STEP = 1e-4
 
 # Fewer are not worth the threads.
 _DESIGNS_PER_THREAD = 24
@@ -80,7 +74,7 @@ class ExactValues:
         names: Sequence[str],
         mode: str | None = None,
         lci: float | None = None,
-        tolerance: float = TOLERANCE,
+        tolerance: float | None = None,
     ) -> ExactValues:
         """Return quantities of a result file, for any design of its space.
 
@@ -94,7 +88,7 @@ class ExactValues:
             Mode pair and LCI threshold; needed only where the file holds several and a
             quantity depends on them.
         tolerance
-            Relative tolerance.
+            Relative tolerance; that of the mechanism for optima if not given.
 
         Raises
         ------
@@ -123,6 +117,8 @@ class ExactValues:
             places[THRESHOLD] = atlas.lci_index(lci)
             thresholds = (atlas.lci_thresholds[places[THRESHOLD]],)
         quantities = [arrays[name].quantity for name in names if name in arrays]
+        if tolerance is None:
+            tolerance = mechanism.exact_tolerance or atlas.settings.tolerance
         if all(quantity.ignores_tolerance for quantity in quantities):
             tolerance = mechanism.tolerance_range[1]
         settings = dataclasses.replace(
@@ -139,6 +135,11 @@ class ExactValues:
         quantities = [each for each in self.mechanism.stored_quantities if each.name in self.names]
         has_mode = any(MODE in quantity.dimensions for quantity in quantities)
         return self.settings.modes[0] if has_mode else None
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether values are as good as exact; if not, they hold to the tolerance of the file."""
+        return self.mechanism.exact_tolerance is not None
 
     def inside(self) -> ExactValues:
         """Return the same without sides of the design space that have no values.
@@ -231,6 +232,8 @@ class ExactValues:
     def gradients(self, points: FloatArray, values: FloatArray) -> FloatArray:
         """Return gradients in the chart by differences of the second order.
 
+        Of the step the square and the tolerance over it are alike small.
+
         Parameters
         ----------
         points
@@ -243,19 +246,20 @@ class ExactValues:
         ndarray
             Shape (names, n, 2); near the border from one side.
         """
-        stencils = [self.polygon.directions(point, STEP) for point in points]
+        step = self.mechanism.exact_step
+        stencils = [self.polygon.directions(point, step) for point in points]
         directions = np.array([each for each, _ in stencils]).reshape(-1, 2, 2)
         central = np.array([each for _, each in stencils]).reshape(-1, 2)
-        second = np.where(central, -STEP, 2.0 * STEP)[..., np.newaxis]
+        second = np.where(central, -step, 2.0 * step)[..., np.newaxis]
         places = np.stack(
             [
-                points[:, np.newaxis, :] + STEP * directions,
+                points[:, np.newaxis, :] + step * directions,
                 points[:, np.newaxis, :] + second * directions,
             ],
             axis=2,
         )
         around = self.for_search().values(places.reshape(-1, 2)).reshape(len(self.names), -1, 2, 2)
         one, other, here = around[..., 0], around[..., 1], values[..., np.newaxis]
-        slopes = np.where(central, one - other, 4.0 * one - 3.0 * here - other) / (2.0 * STEP)
+        slopes = np.where(central, one - other, 4.0 * one - 3.0 * here - other) / (2.0 * step)
         # slope = direction . gradient, for two directions
         return np.linalg.solve(directions, slopes[..., np.newaxis])[..., 0]

@@ -20,8 +20,9 @@ FloatArray = npt.NDArray[np.float64]
 #: allowed, and how good they would be next to where they are allowed.
 Scores = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
-# Pitch that the first finer lattice need not be below, and rings of points around a place.
-_PITCH, _FEWEST_RINGS, _MOST_RINGS = 0.005, 2, 6
+# Pitch that the first finer lattice need not be below, and rings of points around a place;
+# and how many times the distance in which errors hide what is better.
+_PITCH, _PITCHES, _FEWEST_RINGS, _MOST_RINGS = 0.005, 5.0, 2, 6
 # Radii of the lattices in spacings, and around how many places of each ranking they are.
 _LEVELS = ((1.0, (16, 8)), (0.3, (6, 3)), (0.06, (4, 2)))
 # How far apart places are, in radii of the lattices around them.
@@ -37,7 +38,11 @@ _STARTS = (4, 2)
 
 
 def explored(
-    scores: Scores, polygon: DesignPolygon, starts: FloatArray, spacing: float
+    scores: Scores,
+    polygon: DesignPolygon,
+    starts: FloatArray,
+    spacing: float,
+    finest: float = 0.0,
 ) -> FloatArray:
     """Return the best places, which are apart, around places to start from.
 
@@ -51,6 +56,8 @@ def explored(
         Places to start from, shape (n, 2).
     spacing
         How far around them to look.
+    finest
+        Distance of places below which errors of values hide which is better.
 
     Returns
     -------
@@ -59,7 +66,9 @@ def explored(
     """
     points = np.vstack([starts, _along_sides(polygon, spacing), _near_corners(polygon, spacing)])
     as_they_are, nearly = scores(points)
-    rings = int(np.clip(np.ceil(spacing / _PITCH), _FEWEST_RINGS, _MOST_RINGS))
+    rings = int(
+        np.clip(np.ceil(spacing / max(_PITCH, _PITCHES * finest)), _FEWEST_RINGS, _MOST_RINGS)
+    )
     for radius, counts in _LEVELS:
         apart = _APART * radius * spacing
         chosen = _best_apart(points, (as_they_are, nearly), counts, apart)

@@ -3,6 +3,10 @@
 Objective and conditions are exact values of the mechanism. Whatever is returned was
 evaluated and fulfils all conditions; the search by trial at the end needs no gradients, so
 that kinks of a quantity do no harm. All but the end is done with a looser tolerance.
+
+Values that only hold to a tolerance, such as means over sampled poses, jump by less than it from
+design to design. The steps of the mechanism are so wide that these jumps do not mislead; what is
+returned is then an optimum to within the errors of its values.
 """
 
 from __future__ import annotations
@@ -32,7 +36,9 @@ _ROUNDS = 4
 # Evaluations that SLSQP may take at kinks, its iterations, and a gain that ends it.
 _EVALUATIONS, _ITERATIONS, _GAIN_OF_CLIMB = 200, 60, 1e-13
 _FEW_EVALUATIONS, _FEW_ITERATIONS, _GAIN_OF_SEARCH = 60, 30, 1e-9
-_FIRST_TRIAL, _LAST_TRIAL = 1e-4, 2e-9
+# Trials are within this share of the step of differences, the last of them: of exact values, and
+# of those that hold to a tolerance of which a climb need not gain less than a share.
+_LAST_EXACT_TRIAL, _LAST_TRIAL, _LEAST_GAIN = 2e-5, 1e-2, 1e-2
 _TRIAL_DIRECTIONS = 12
 _TRIALS_EACH = 8
 # How much further a trial that was better leads.
@@ -202,12 +208,14 @@ def maximise(
     whole, exact = exact, exact.inside()
     if spacing > 0.0 and len(starts):
         survey = _Search(exact.for_search(SURVEY_TOLERANCE), objective, conditions, scales, span)
-        starts = explored(survey.scores, exact.polygon, starts, spacing)
+        finest = exact.mechanism.exact_step
+        starts = explored(survey.scores, exact.polygon, starts, spacing, finest)
     rough = _Search(exact.for_search(), objective, conditions, scales, span)
     if len(starts):
         rough.try_points(starts)
-    few = _FEW_EVALUATIONS, _FEW_ITERATIONS, _GAIN_OF_SEARCH
-    many = _EVALUATIONS, _ITERATIONS, _GAIN_OF_CLIMB
+    least = 0.0 if exact.is_exact else _LEAST_GAIN * exact.settings.tolerance
+    few = _FEW_EVALUATIONS, _FEW_ITERATIONS, max(_GAIN_OF_SEARCH, least)
+    many = _EVALUATIONS, _ITERATIONS, max(_GAIN_OF_CLIMB, least)
     ends = [_climb(rough, start, *few) for start in starts]
     if rough.best is not None:
         ends.append(rough.best)
@@ -224,7 +232,7 @@ def maximise(
     for _ in range(_ROUNDS if trials and not is_open else 0):
         before = search.best_value
         _try_around(search)
-        if search.best_value - before <= _GAIN:
+        if search.best_value - before <= max(_GAIN, least):
             break
         # Where no gradient led on at first (at a summit of a bounded quantity), one may now.
         _climb(search, search.best, *many)
@@ -294,8 +302,10 @@ def _try_around(search: _Search) -> None:
 
     Where one is better, those further on in the same direction, too: along a ridge they are.
     """
-    step, turn = _FIRST_TRIAL, 0.0
-    while step >= _LAST_TRIAL:
+    exact = search.exact
+    step, turn = exact.mechanism.exact_step, 0.0
+    last = step * (_LAST_EXACT_TRIAL if exact.is_exact else _LAST_TRIAL)
+    while step >= last:
         for _ in range(_TRIALS_EACH):
             before = search.best
             assert before is not None

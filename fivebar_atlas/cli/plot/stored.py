@@ -17,6 +17,8 @@ from fivebar_atlas.errors import InputError
 _QUANTITY_KINDS = {
     "area": ("usable_workspace_area", "Atlas of the usable workspace area."),
     "gci": ("gci", "Atlas of the global conditioning index (GCI)."),
+    "share": ("usable_share", "Atlas of the usable share of the pose box."),
+    "volume": ("workspace_volume", "Atlas of the workspace volume at a fixed orientation."),
 }
 
 
@@ -187,7 +189,9 @@ def region(
     width: float,
     overwrite: bool,
 ) -> None:
-    """Draw the optimum region of any conditions over area and GCI.
+    """Draw the optimum region of any conditions over contours of two quantities.
+
+    They are how large usable workspaces are and how good, such as area and GCI.
 
     Prints the range of every parameter in the region.
     """

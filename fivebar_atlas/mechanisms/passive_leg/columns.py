@@ -32,7 +32,13 @@ from fivebar_atlas.mechanisms.passive_leg.singularity import (
 )
 from fivebar_atlas.numerics.quadrature import cluster
 from fivebar_atlas.numerics.records import record_type
-from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
+from fivebar_atlas.numerics.roots import (
+    FOUND,
+    first_sections,
+    first_share,
+    next_section,
+    next_share,
+)
 
 IndexArray = npt.NDArray[np.int64]
 
@@ -209,23 +215,11 @@ def _bracket_roots(
             bend = (other - one) / (right - left)
             if bend <= 0.0:
                 continue
-            # walk down to the turning point by golden sections, until below zero or sure not to be
-            x1, x2 = left + 0.381966011250105 * (right - left), 0.0
-            x2 = left + right - x1
+            # walk down to the turning point, until below zero or sure not to be
+            x1, x2 = first_sections(left, right)
             y1, y2 = 0.0, 0.0
             for step in range(_TURNING_STEPS + 2):
-                if step == 0:
-                    trial = x1
-                elif step == 1:
-                    trial = x2
-                elif y1 < y2:
-                    right, x2, y2 = x2, x1, y1
-                    x1 = left + right - x2
-                    trial = x1
-                else:
-                    left, x1, y1 = x1, x2, y2
-                    x2 = left + right - x1
-                    trial = x2
+                left, right, x1, y1, x2, y2, trial = next_section(step, left, right, x1, y1, x2, y2)
                 length = low + width * cluster(trial)
                 f, q1, q2 = conditions_at(1.0, r, l_a, l_b, length, c, s, elbow1, elbow2)
                 value = sign * (f if which == 0 else (q1 if which == 1 else q2))

@@ -34,7 +34,13 @@ from fivebar_atlas.numerics.quadrature import (
     null_rules,
 )
 from fivebar_atlas.numerics.records import record_type
-from fivebar_atlas.numerics.roots import FOUND, first_share, next_share
+from fivebar_atlas.numerics.roots import (
+    FOUND,
+    first_sections,
+    first_share,
+    next_section,
+    next_share,
+)
 
 IndexArray = npt.NDArray[np.int64]
 
@@ -225,22 +231,12 @@ def _find_cuts(
                 )
             ):
                 left, right = w.v[j - 1], w.v[j + 1]
-                x1 = left + 0.381966011250105 * (right - left)
-                x2 = left + right - x1
+                x1, x2 = first_sections(left, right)
                 y1, y2 = 0.0, 0.0
                 for step in range(_TURNING_STEPS + 2):
-                    if step == 0:
-                        trial = x1
-                    elif step == 1:
-                        trial = x2
-                    elif y1 < y2:
-                        right, x2, y2 = x2, x1, y1
-                        x1 = left + right - x2
-                        trial = x1
-                    else:
-                        left, x1, y1 = x1, x2, y2
-                        x2 = left + right - x1
-                        trial = x2
+                    left, right, x1, y1, x2, y2, trial = next_section(
+                        step, left, right, x1, y1, x2, y2
+                    )
                     length = low + width * cluster(trial)
                     value, _ = local_indices(1.0, r, l_a, l_b, length, c, s, elbow1, elbow2)
                     value = sign * (value - threshold)

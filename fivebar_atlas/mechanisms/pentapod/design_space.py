@@ -17,8 +17,8 @@ RADII = "radii"
 LEAST, GREATEST = 0.1, 2.1
 
 _TICKS = (0.1, 0.6, 1.1, 1.6, 2.1)
-# How far axis labels stand from the chart.
-_AXIS_OFFSET = 0.27
+# How far axis labels stand from the chart: below, and left of it, where ticks are wider than high.
+_BELOW, _LEFT = 0.27, 0.36
 
 
 def lattice(resolution: int) -> FloatArray:
@@ -66,13 +66,13 @@ def chart() -> DesignChart:
     bottom = ChartAxis(
         "$r_a$",
         middle,
-        LEAST - _AXIS_OFFSET,
+        LEAST - _BELOW,
         0.0,
         tuple(ChartTick(f"{value:g}", value, LEAST, 0.0, -1.0) for value in _TICKS),
     )
     left = ChartAxis(
         "$r_b$",
-        LEAST - _AXIS_OFFSET,
+        LEAST - _LEFT,
         middle,
         90.0,
         tuple(ChartTick(f"{value:g}", LEAST, value, -1.0, 0.0) for value in _TICKS),

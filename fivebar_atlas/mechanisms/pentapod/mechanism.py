@@ -142,11 +142,19 @@ class PentapodMechanism(Mechanism):
         ),
     )
     modes = (HOME_ASSEMBLY,)
+    mode_phrase = "mode"
+    usable_phrase = "usable pose"
+    region_quantities = ("usable_share", "gci")
     spaces = (design_space.RADII,)
     resolution_range = (2, 1000)
     default_resolution = 40
     tolerance_range = (1e-5, 1e-1)
     default_tolerance = 1e-3
+    # means over points: values of designs next to each other differ by their errors, too
+    exact_tolerance = None
+    exact_step = 1e-2
+    # with the constraint's row in G no design has much more than 0.03
+    default_lci_thresholds = (0.01,)
     options = OPTIONS
 
     def parse_mode(self, text: str) -> str:
@@ -174,7 +182,12 @@ class PentapodMechanism(Mechanism):
         try:
             AtlasOptions.chosen(options)
         except InputError as error:
-            raise error.renamed(named(error.name), error.value) from None
+            least, values = error.name, dict(options)
+            greatest = least.removesuffix("min") + "max"
+            if least in dict(given) or greatest not in dict(given):
+                raise error.renamed(named(least), error.value) from None
+            allowed = f"a number of {least}, {values[least]:g}, or more"
+            raise InputError(named(greatest), values[greatest], allowed) from None
         return options
 
     def lattice(self, space: str, resolution: int) -> FloatArray:  # noqa: ARG002
