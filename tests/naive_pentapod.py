@@ -626,10 +626,28 @@ def reference(name: str, scale: int) -> dict[str, list[float]]:
     }
 
 
+def read_reference_file() -> dict[str, Found]:
+    """Read the reference values: case to name to value and standard error, NaN where none."""
+    cases = json.loads(REFERENCE.read_text(encoding="utf-8"))
+    return {
+        case: {
+            name: tuple(math.nan if each is None else float(each) for each in pair)
+            for name, pair in values.items()
+        }
+        for case, values in cases.items()
+    }
+
+
 def main() -> None:
     """Write the reference values; ten minutes."""
-    found = {name: reference(name, 16) for name in CASES}
-    REFERENCE.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    cases = {
+        case: {
+            name: [None if math.isnan(each) else each for each in pair]
+            for name, pair in reference(case, 16).items()
+        }
+        for case in CASES
+    }
+    REFERENCE.write_text(json.dumps(cases, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
