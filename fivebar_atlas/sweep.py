@@ -14,6 +14,7 @@ from typing import Any
 import numpy.typing as npt
 
 from fivebar_atlas import mechanisms
+from fivebar_atlas.errors import InputError
 from fivebar_atlas.executors import Executor
 from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.base import Mechanism
@@ -29,13 +30,48 @@ _MOST_DESIGNS = 1024
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class Shard:
+    """One of several parts of a sweep, for machines that know nothing of each other.
+
+    Attributes
+    ----------
+    number
+        Which part it is, from 1.
+    count
+        How many parts there are.
+    """
+
+    number: int
+    count: int
+
+    @classmethod
+    def parse(cls, text: str, name: str = "shard") -> Shard:
+        """Return the shard that a text such as ``"2/3"`` stands for.
+
+        Raises
+        ------
+        InputError
+            Under this name, if it stands for none.
+        """
+        parts = [part.strip() for part in text.split("/")]
+        if len(parts) == 2 and all(part.isascii() and part.isdecimal() for part in parts):
+            number, count = map(int, parts)
+            if 1 <= number <= count:
+                return cls(number, count)
+        raise InputError(name, text, "i/n, the i-th of n parts, with i from 1 to n: 2/3")
+
+    def __str__(self) -> str:
+        return f"{self.number}/{self.count}"
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class Block:
     """A run of consecutive designs of the lattice.
 
     Attributes
     ----------
     index
-        Number of the block, from 0.
+        Number of the block among those of the sweep or its part, from 0.
     start, stop
         Its designs, as a half-open range of lattice indices.
     """
@@ -60,6 +96,9 @@ class Sweep:
     ----------
     settings
         What to compute; checked settings, as a resolved configuration holds them.
+    shard
+        Which part of it, if not all. Parts are disjoint and together everything; every n-th
+        block is in one, so that designs that take long are spread over them.
 
     Attributes
     ----------
@@ -70,19 +109,34 @@ class Sweep:
     designs
         Every design of the lattice, shape (designs, parameters).
     blocks
-        The blocks, in the order of the designs.
+        The blocks of the sweep or its part, in the order of the designs.
+
+    Raises
+    ------
+    InputError
+        If there are more shards than blocks.
     """
 
-    def __init__(self, settings: SweepSettings) -> None:
+    def __init__(self, settings: SweepSettings, shard: Shard | None = None) -> None:
         self.settings = settings
         self.mechanism: Mechanism = mechanisms.get(settings.mechanism)
         self.designs: FloatArray = self.mechanism.lattice(settings.space, settings.resolution)
         count = len(self.designs)
         size = min(max(-(-count // _BLOCKS), _FEWEST_DESIGNS), _MOST_DESIGNS)
+        starts = range(0, count, size)
+        if shard is not None:
+            if shard.count > len(starts):
+                allowed = f"at most {len(starts)} parts: the sweep has as many blocks of designs"
+                raise InputError("shard", str(shard), allowed)
+            starts = starts[shard.number - 1 :: shard.count]
         self.blocks = tuple(
-            Block(index, start, min(start + size, count))
-            for index, start in enumerate(range(0, count, size))
+            Block(index, start, min(start + size, count)) for index, start in enumerate(starts)
         )
+
+    @property
+    def count(self) -> int:
+        """Number of designs in the blocks."""
+        return sum(block.stop - block.start for block in self.blocks)
 
     def run(self, executor: Executor, finished: Container[int] = ()) -> Iterator[BlockResults]:
         """Evaluate blocks and yield each as soon as it is finished, in any order.

@@ -81,6 +81,8 @@ class Mechanism(ABC):
     tolerance_range: tuple[float, float] = (1e-10, 1e-3)
     #: Tolerance where nothing is said.
     default_tolerance: float = 1e-6
+    #: Packages besides NumPy and Numba whose version the numbers depend on.
+    computed_with: tuple[str, ...] = ()
     #: What else a sweep may choose, beyond space, mode pairs, thresholds and tolerance.
     options: tuple[SweepOption, ...] = ()
 

@@ -147,6 +147,8 @@ class PentapodMechanism(Mechanism):
     default_resolution = 40
     tolerance_range = (1e-5, 1e-1)
     default_tolerance = 1e-3
+    # the points of integration
+    computed_with = ("scipy",)
     options = OPTIONS
 
     def parse_mode(self, text: str) -> str:
