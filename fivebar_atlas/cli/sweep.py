@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import shlex
 import sys
 import time
@@ -13,6 +14,7 @@ from fivebar_atlas.cli import options
 from fivebar_atlas.cli.progress import Progress, note_compilation
 
 if TYPE_CHECKING:
+    from fivebar_atlas.config import Configuration
     from fivebar_atlas.executors import Executor
     from fivebar_atlas.store import AtlasWriter
     from fivebar_atlas.sweep import Sweep
@@ -46,7 +48,6 @@ def sweep(
     file of its own: -o PART-I.h5.
     """
     from fivebar_atlas import config
-    from fivebar_atlas.executors import ThreadExecutor
     from fivebar_atlas.store import AtlasWriter, is_complete
     from fivebar_atlas.sweep import Shard, Sweep
 
@@ -75,7 +76,8 @@ def sweep(
         command_line=shlex.join(["atlas", *sys.argv[1:]]),
     ) as writer:
         try:
-            _run(work, writer, ThreadExecutor(configuration.threads), quiet)
+            with _executor(configuration) as executor:
+                _run(work, writer, executor, quiet)
             writer.assemble()
         except KeyboardInterrupt:
             raise click.Abort(_kept(work, writer)) from None
@@ -83,6 +85,25 @@ def sweep(
     if part is not None:
         designs = f"part {part}, {work.count:,} of {len(work.designs):,} designs"
     _say(f"{output}: {designs}, {pairs}, {time.monotonic() - began:.1f} s", quiet)
+
+
+def _executor(configuration: Configuration) -> Executor:
+    """Return where the blocks are computed."""
+    from fivebar_atlas import mechanisms
+    from fivebar_atlas.executors import ThreadExecutor
+
+    if configuration.executor == "threads":
+        return ThreadExecutor(configuration.threads)
+    from fivebar_atlas.dask_executor import DaskExecutor
+    from fivebar_atlas.versions import computing_versions
+
+    packages = mechanisms.get(configuration.settings.mechanism).computed_with
+    return DaskExecutor(
+        functools.partial(computing_versions, packages),
+        scheduler=configuration.scheduler,
+        scheduler_file=configuration.scheduler_file,
+        workers=configuration.threads,
+    )
 
 
 def _run(work: Sweep, writer: AtlasWriter, executor: Executor, quiet: bool) -> None:

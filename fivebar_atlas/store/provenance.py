@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import importlib.metadata
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from fivebar_atlas import __version__, mechanisms
 from fivebar_atlas.errors import AtlasError, FileError
 from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.settings import SweepSettings
+from fivebar_atlas.versions import computing_versions
 
 FORMAT = "fivebar-atlas"
 FORMAT_VERSION = 1
@@ -21,13 +21,12 @@ PART_FORMAT = "fivebar-atlas-part"
 
 def identity(settings: SweepSettings) -> dict[str, str]:
     """Return what must be the same for numbers to be the same, bit for bit."""
-    from fivebar_atlas import config, jit
+    from fivebar_atlas import config
 
-    packages = ("numba", "numpy", *mechanisms.get(settings.mechanism).computed_with)
+    packages = mechanisms.get(settings.mechanism).computed_with
     return {
         "configuration": config.render_settings(settings),
-        "kernel_hash": jit.kernel_hash(),
-        **{f"{each}_version": importlib.metadata.version(each) for each in packages},
+        **computing_versions(packages),
     }
 
 
