@@ -25,6 +25,9 @@ from fivebar_atlas.mechanisms.settings import Options, SweepSettings
 #: Far above any machine's number of cores, so that a slip of the keyboard is caught.
 MOST_THREADS = 1024
 
+#: Where blocks of designs can be computed, the default first.
+EXECUTORS = ("threads", "dask")
+
 _STRICT = ConfigDict(strict=True, extra="forbid", frozen=True)
 
 # What a value of the wrong type should have been, by pydantic's name of the fault.
@@ -58,6 +61,9 @@ class RunSection(BaseModel):
 
     threads: int | None = None
     output: str | None = None
+    executor: str | None = None
+    scheduler: str | None = None
+    scheduler_file: str | None = None
 
 
 class ConfigurationFile(BaseModel):
@@ -83,6 +89,9 @@ class Overrides:
     options: Mapping[str, object] | None = None
     threads: int | None = None
     output: str | None = None
+    executor: str | None = None
+    scheduler: str | None = None
+    scheduler_file: str | None = None
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -97,11 +106,19 @@ class Configuration:
         Number of threads, None for one a core.
     output
         Result file, None where none was named.
+    executor
+        Where blocks are computed, one of :data:`EXECUTORS`.
+    scheduler, scheduler_file
+        Address of a Dask scheduler, or the file that it is in; both None for a cluster of this
+        machine.
     """
 
     settings: SweepSettings
     threads: int | None = None
     output: Path | None = None
+    executor: str = EXECUTORS[0]
+    scheduler: str | None = None
+    scheduler_file: str | None = None
 
 
 def load(path: str | os.PathLike[str]) -> ConfigurationFile:
@@ -218,6 +235,13 @@ def render(configuration: Configuration) -> str:
         lines.append("# output: not set, to be given as -o FILE.h5")
     else:
         lines.append(f"output = {_toml_text(str(configuration.output))}")
+    if configuration.executor != EXECUTORS[0]:
+        lines.append(f"executor = {_toml_text(configuration.executor)}")
+    named = {
+        "scheduler": configuration.scheduler,
+        "scheduler_file": configuration.scheduler_file,
+    }
+    lines.extend(f"{key} = {_toml_text(text)}" for key, text in named.items() if text is not None)
     return render_settings(configuration.settings) + "\n".join(lines) + "\n"
 
 
@@ -271,7 +295,7 @@ def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Config
 
     def pick(key: str, given: Any, from_file: Any, default: Any) -> tuple[Any, str]:
         if given is not None:
-            return given, f"--{key}"
+            return given, f"--{key.replace('_', '-')}"
         if from_file is not None:
             table = "run." if key in RunSection.model_fields else "sweep."
             return from_file, _name((("" if key == "mechanism" else table) + key,), source)
@@ -311,6 +335,23 @@ def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Config
     if output is not None and not output.strip():
         raise InputError(name, output, "the path of a result file")
 
+    executor, name = pick("executor", overrides.executor, run.executor, None)
+    scheduler, address = pick("scheduler", overrides.scheduler, run.scheduler, None)
+    given = overrides.scheduler_file
+    scheduler_file, file_name = pick("scheduler_file", given, run.scheduler_file, None)
+    if scheduler is not None and scheduler_file is not None:
+        raise InputError(file_name, scheduler_file, f"no file beside {address}")
+    if executor is None:
+        # a scheduler is one of Dask
+        is_named = scheduler is not None or scheduler_file is not None
+        executor = EXECUTORS[1] if is_named else EXECUTORS[0]
+    if executor not in EXECUTORS:
+        raise UnknownNameError(name, executor, EXECUTORS)
+    if executor != EXECUTORS[1]:
+        for text, what in ((scheduler, address), (scheduler_file, file_name)):
+            if text is not None:
+                raise InputError(what, text, f"no scheduler with the executor {executor}")
+
     return Configuration(
         settings=SweepSettings(
             mechanism=chosen,
@@ -323,6 +364,9 @@ def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Config
         ),
         threads=threads,
         output=None if output is None else Path(output),
+        executor=executor,
+        scheduler=scheduler,
+        scheduler_file=scheduler_file,
     )
 
 

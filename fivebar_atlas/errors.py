@@ -236,3 +236,28 @@ class FileUsageError(FileError):
     """A file was named that cannot be meant: missing input, output that exists already."""
 
     exit_code = 2
+
+
+class ClusterError(AtlasError):
+    """A cluster cannot be used, or its workers cannot do the work; the message says why."""
+
+
+class MissingExtraError(AtlasError):
+    """A package that is not installed is needed.
+
+    Parameters
+    ----------
+    purpose
+        What needs it, as a phrase.
+    extra
+        The extra of this package that installs it.
+    """
+
+    exit_code = 2
+
+    def __init__(self, purpose: str, extra: str) -> None:
+        super().__init__(f"{purpose} needs the extra: pip install 'fivebar-atlas[{extra}]'")
+
+
+class LostBlocksError(AtlasError):
+    """Blocks of a sweep that ended every process they were computed in; the others are kept."""

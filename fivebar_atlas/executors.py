@@ -1,17 +1,18 @@
-"""Where blocks of work run: on the threads of this machine.
+"""Where blocks of work run: here, on the threads of this machine.
 
-Sweeps know only :class:`Executor`, so that one that runs blocks on a cluster can take the
-place of :class:`ThreadExecutor`.
+Sweeps know only :class:`Executor`, so that the one of :mod:`dask_executor`, which runs blocks on a
+cluster, can take the place of :class:`ThreadExecutor`.
 """
 
 from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from itertools import islice
-from typing import TypeVar
+from types import TracebackType
+from typing import Any, Self, TypeVar
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -21,8 +22,39 @@ Result = TypeVar("Result")
 _TASKS_PER_THREAD = 2
 
 
+class LostTasksError(Exception):
+    """Tasks that could not be finished, although everything else was.
+
+    Attributes
+    ----------
+    tasks
+        The tasks.
+    reason
+        What happened to them, as a phrase.
+    """
+
+    def __init__(self, tasks: Sequence[Any], reason: str) -> None:
+        super().__init__(f"{len(tasks)} tasks: {reason}")
+        self.tasks = tasks
+        self.reason = reason
+
+
 class Executor(ABC):
-    """Applies a function to tasks, several at a time."""
+    """Applies a function to tasks, several at a time; a context manager, which closes it."""
+
+    def close(self) -> None:  # noqa: B027
+        """Give back what the executor holds; here nothing."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
 
     @abstractmethod
     def run(
@@ -44,6 +76,8 @@ class Executor(ABC):
 
         Raises
         ------
+        LostTasksError
+            After all others, if tasks took the process they ran in with them.
         Exception
             Whatever the function raises. Tasks that have not been started by then, or
             when the iterator is closed or interrupted, are dropped; nobody waits for

@@ -14,10 +14,10 @@ from typing import Any
 import numpy.typing as npt
 
 from fivebar_atlas import mechanisms
-from fivebar_atlas.executors import Executor
+from fivebar_atlas.errors import InputError, LostBlocksError
+from fivebar_atlas.executors import Executor, LostTasksError
 from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.base import Mechanism
-from fivebar_atlas.mechanisms.quantities import ResultArray
 from fivebar_atlas.mechanisms.settings import SweepSettings
 
 # A sweep has about this many blocks, for smooth progress, as long as a block is neither so
@@ -27,6 +27,44 @@ _BLOCKS = 128
 _FEWEST_DESIGNS = 16
 _MOST_DESIGNS = 1024
 
+# So many blocks are named where some could not be computed.
+_SHOWN = 5
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Shard:
+    """One of several parts of a sweep, for machines that know nothing of each other.
+
+    Attributes
+    ----------
+    number
+        Which part it is, from 1.
+    count
+        How many parts there are.
+    """
+
+    number: int
+    count: int
+
+    @classmethod
+    def parse(cls, text: str, name: str = "shard") -> Shard:
+        """Return the shard that a text such as ``"2/3"`` stands for.
+
+        Raises
+        ------
+        InputError
+            Under this name, if it stands for none.
+        """
+        parts = [part.strip() for part in text.split("/")]
+        if len(parts) == 2 and all(part.isascii() and part.isdecimal() for part in parts):
+            number, count = map(int, parts)
+            if 1 <= number <= count:
+                return cls(number, count)
+        raise InputError(name, text, "i/n, the i-th of n parts, with i from 1 to n: 2/3")
+
+    def __str__(self) -> str:
+        return f"{self.number}/{self.count}"
+
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Block:
@@ -35,7 +73,7 @@ class Block:
     Attributes
     ----------
     index
-        Number of the block, from 0.
+        Number of the block among those of the sweep or its part, from 0.
     start, stop
         Its designs, as a half-open range of lattice indices.
     """
@@ -60,6 +98,9 @@ class Sweep:
     ----------
     settings
         What to compute; checked settings, as a resolved configuration holds them.
+    shard
+        Which part of it, if not all. Parts are disjoint and together everything; every n-th
+        block is in one, so that designs that take long are spread over them.
 
     Attributes
     ----------
@@ -70,19 +111,34 @@ class Sweep:
     designs
         Every design of the lattice, shape (designs, parameters).
     blocks
-        The blocks, in the order of the designs.
+        The blocks of the sweep or its part, in the order of the designs.
+
+    Raises
+    ------
+    InputError
+        If there are more shards than blocks.
     """
 
-    def __init__(self, settings: SweepSettings) -> None:
+    def __init__(self, settings: SweepSettings, shard: Shard | None = None) -> None:
         self.settings = settings
         self.mechanism: Mechanism = mechanisms.get(settings.mechanism)
         self.designs: FloatArray = self.mechanism.lattice(settings.space, settings.resolution)
         count = len(self.designs)
         size = min(max(-(-count // _BLOCKS), _FEWEST_DESIGNS), _MOST_DESIGNS)
+        starts = range(0, count, size)
+        if shard is not None:
+            if shard.count > len(starts):
+                allowed = f"at most {len(starts)} parts: the sweep has as many blocks of designs"
+                raise InputError("shard", str(shard), allowed)
+            starts = starts[shard.number - 1 :: shard.count]
         self.blocks = tuple(
-            Block(index, start, min(start + size, count))
-            for index, start in enumerate(range(0, count, size))
+            Block(index, start, min(start + size, count)) for index, start in enumerate(starts)
         )
+
+    @property
+    def count(self) -> int:
+        """Number of designs in the blocks."""
+        return sum(block.stop - block.start for block in self.blocks)
 
     def run(self, executor: Executor, finished: Container[int] = ()) -> Iterator[BlockResults]:
         """Evaluate blocks and yield each as soon as it is finished, in any order.
@@ -102,31 +158,61 @@ class Sweep:
 
         Raises
         ------
+        LostBlocksError
+            After all other blocks, if some ended every process they were computed in.
         ValueError
             If the mechanism does not return what it declares.
         """
-        declared = self.mechanism.result_arrays(self.settings)
-        evaluate = functools.partial(self._evaluate, declared=declared)
-        remaining = (block for block in self.blocks if block.index not in finished)
-        for block, arrays in executor.run(evaluate, remaining):
-            yield BlockResults(block, arrays)
+        evaluate = functools.partial(_evaluate, self.settings)
+        remaining = (
+            _Work(block, self.designs[block.start : block.stop])
+            for block in self.blocks
+            if block.index not in finished
+        )
+        try:
+            for work, arrays in executor.run(evaluate, remaining):
+                yield BlockResults(work.block, arrays)
+        except LostTasksError as error:
+            raise LostBlocksError(self._lost(error)) from None
 
-    def _evaluate(
-        self, block: Block, declared: tuple[ResultArray, ...]
-    ) -> dict[str, npt.NDArray[Any]]:
-        """Return the results of a block, in the types and shapes declared."""
-        designs = self.designs[block.start : block.stop]
-        results = self.mechanism.evaluate(designs, self.settings)
-        arrays: dict[str, npt.NDArray[Any]] = {}
-        for array in declared:
-            if array.name not in results:
-                raise ValueError(f"{self.mechanism.name} returned no {array.name!r}")
-            values = results[array.name]
-            shape = (len(designs), *array.lengths)
-            if values.shape != shape:
-                raise ValueError(
-                    f"{self.mechanism.name} returned {array.name!r} of shape {values.shape}; "
-                    f"declared is {shape}"
-                )
-            arrays[array.name] = values.astype(array.dtype, casting="same_kind", copy=False)
-        return arrays
+    def _lost(self, error: LostTasksError) -> str:
+        """Return which blocks could not be computed, and why."""
+        names = [parameter.name for parameter in self.mechanism.parameters]
+        shown = []
+        for work in error.tasks[:_SHOWN]:
+            first, last = (
+                ", ".join(f"{n} = {v:g}" for n, v in zip(names, work.designs[k], strict=True))
+                for k in (0, -1)
+            )
+            block = work.block
+            shown.append(f"designs {block.start} to {block.stop - 1} (from {first} to {last})")
+        more = len(error.tasks) - len(shown)
+        rest = f" and {more} blocks more" if more else ""
+        return f"{'; '.join(shown)}{rest}: {error.reason}; everything else is finished and kept"
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Work:
+    """A block with its designs, shape (designs, parameters): all that computing it needs."""
+
+    block: Block
+    designs: FloatArray
+
+
+def _evaluate(settings: SweepSettings, work: _Work) -> dict[str, npt.NDArray[Any]]:
+    """Return the results of a block, in the types and shapes declared."""
+    mechanism = mechanisms.get(settings.mechanism)
+    results = mechanism.evaluate(work.designs, settings)
+    arrays: dict[str, npt.NDArray[Any]] = {}
+    for array in mechanism.result_arrays(settings):
+        if array.name not in results:
+            raise ValueError(f"{mechanism.name} returned no {array.name!r}")
+        values = results[array.name]
+        shape = (len(work.designs), *array.lengths)
+        if values.shape != shape:
+            raise ValueError(
+                f"{mechanism.name} returned {array.name!r} of shape {values.shape}; "
+                f"declared is {shape}"
+            )
+        arrays[array.name] = values.astype(array.dtype, casting="same_kind", copy=False)
+    return arrays

@@ -24,7 +24,7 @@ from fivebar_atlas import mechanisms, open_atlas, store
 from fivebar_atlas.errors import FileError, UnknownNameError
 from fivebar_atlas.mechanisms.normalisation import Extremes, NormalisedFunction
 from fivebar_atlas.mechanisms.settings import SweepSettings
-from fivebar_atlas.store import Atlas
+from fivebar_atlas.store import Atlas, assembly, guarded_file
 
 FloatArray = npt.NDArray[np.float64]
 TOY = ToyMechanism()
@@ -102,7 +102,7 @@ def test_many_designs_are_read_back_in_parts(
     output: Path, tmp_path: Path, toy_settings: SweepSettings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The extremes of parts are those of the whole, to the last bit of what follows."""
-    monkeypatch.setattr(store, "_SLAB_DESIGNS", 7)
+    monkeypatch.setattr(assembly, "_SLAB_DESIGNS", 7)
     parts = write(tmp_path / "parts.h5", toy_settings)
     with open_atlas(output) as one, open_atlas(parts) as other:
         for name in one.names:
@@ -299,15 +299,15 @@ def test_disk_that_fills_up_while_products_are_written(
     share: float,
 ) -> None:
     """What was never written is not read back."""
-    honest, size = store._GuardedFile.write, output.stat().st_size
+    honest, size = guarded_file.GuardedFile.write, output.stat().st_size
 
     def failing(file: Any, data: Any) -> int:
         if file.tell() > share * size and file._fault is None:
             file._fault = OSError(28, "as if")
         return honest(file, data)
 
-    monkeypatch.setattr(store._GuardedFile, "write", failing)
-    monkeypatch.setattr(store, "_SLAB_DESIGNS", 20)
+    monkeypatch.setattr(guarded_file.GuardedFile, "write", failing)
+    monkeypatch.setattr(assembly, "_SLAB_DESIGNS", 20)
     with pytest.raises(FileError, match="no space left on the disk; all finished blocks are kept"):
         write(output, toy_settings, overwrite=True)
 

@@ -19,6 +19,7 @@ from fivebar_atlas import config, open_atlas, store
 from fivebar_atlas.errors import FileError, FileUsageError, InputError, UnknownNameError
 from fivebar_atlas.executors import ThreadExecutor
 from fivebar_atlas.mechanisms.settings import SweepSettings
+from fivebar_atlas.store import assembly, guarded_file, provenance
 from fivebar_atlas.sweep import Sweep
 
 
@@ -167,12 +168,12 @@ def test_data_of_two_runs_are_the_same_byte_for_byte(
 ) -> None:
     """Only the time of making differs, so with that fixed the files are equal."""
 
-    class Fixed(store.datetime.datetime):  # type: ignore[name-defined, misc]
+    class Fixed(provenance.datetime.datetime):  # type: ignore[name-defined, misc]
         @classmethod
         def now(cls, tz: Any = None) -> Any:
             return cls(2024, 1, 1, tzinfo=tz)
 
-    monkeypatch.setattr(store.datetime, "datetime", Fixed)
+    monkeypatch.setattr(provenance.datetime, "datetime", Fixed)
     first = write(tmp_path / "first.h5", toy_settings)
     second = write(tmp_path / "second.h5", toy_settings)
     assert first.read_bytes() == second.read_bytes()
@@ -219,7 +220,7 @@ def test_disk_that_fills_up_while_the_file_is_written(
     """HDF5 must not see the fault; the old file and the blocks stay; resuming completes."""
     before = output.read_bytes()
     writes = 0
-    honest = store._GuardedFile
+    honest = guarded_file.GuardedFile
 
     class Failing:
         def __init__(self, file: Any) -> None:
@@ -235,7 +236,7 @@ def test_disk_that_fills_up_while_the_file_is_written(
         def __getattr__(self, name: str) -> Any:
             return getattr(self.file, name)
 
-    monkeypatch.setattr(store, "_GuardedFile", lambda file: honest(Failing(file)))  # type: ignore[arg-type]
+    monkeypatch.setattr(assembly, "GuardedFile", lambda file: honest(Failing(file)))  # type: ignore[arg-type]
     with pytest.raises(FileError, match="finished blocks are kept") as caught:
         write(output, toy_settings, overwrite=True)
     assert caught.value.exit_code == 1

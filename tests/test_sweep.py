@@ -10,7 +10,9 @@ import numpy.typing as npt
 import pytest
 from toy_mechanism import ToyMechanism
 
-from fivebar_atlas.executors import ThreadExecutor
+from fivebar_atlas import sweep
+from fivebar_atlas.errors import LostBlocksError
+from fivebar_atlas.executors import LostTasksError, ThreadExecutor
 from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.sweep import Sweep
@@ -103,3 +105,43 @@ def test_five_bar_results_do_not_depend_on_the_other_modes_asked_for() -> None:
         others = all_of_them[name]
         same = others if others.shape == values.shape else others[:, 2:3]
         assert values.tobytes() == same.tobytes(), name
+
+
+@pytest.mark.parametrize("size", [1, 7, 1024])
+def test_numbers_do_not_depend_on_the_size_of_blocks(
+    monkeypatch: pytest.MonkeyPatch, size: int
+) -> None:
+    settings = SweepSettings("five-bar", "surrounded", 12, ("+-/up", "++/up"), (0.5,), 1e-4)
+    expected = collect(settings, 2)
+    monkeypatch.setattr(sweep, "_FEWEST_DESIGNS", size)
+    monkeypatch.setattr(sweep, "_MOST_DESIGNS", size)
+    found = collect(settings, 2)
+    for name, values in expected.items():
+        assert found[name].tobytes() == values.tobytes(), name
+
+
+def test_blocks_that_cannot_be_computed_are_named_with_their_designs(toy: str) -> None:
+    class Deadly(ThreadExecutor):
+        """Everything but the second task comes back."""
+
+        def run(self, function: Any, tasks: Any) -> Any:
+            lost = []
+            for number, task in enumerate(tasks):
+                if number == 1:
+                    lost.append(task)
+                else:
+                    yield task, function(task)
+            raise LostTasksError(lost, "ended each of the 4 workers that tried them")
+
+    work = Sweep(SweepSettings(toy, "whole", 100, ("left",), (), 1e-6))
+    found = []
+    with pytest.raises(LostBlocksError) as caught:  # noqa: PT012
+        for results in work.run(Deadly()):
+            found.append(results.block.index)  # noqa: PERF401
+    assert found == [0, *range(2, len(work.blocks))]
+    block = work.blocks[1]
+    assert str(caught.value) == (
+        f"designs {block.start} to {block.stop - 1} "
+        "(from a = 0.16, b = 0.84 to a = 0.31, b = 0.69):"
+        " ended each of the 4 workers that tried them; everything else is finished and kept"
+    )

@@ -164,7 +164,21 @@ sweep_options = together(
     tolerance_option,
     set_option,
     click.option(
-        "--threads", type=int, metavar="N", help="Threads; one for each core if not given."
+        "--threads",
+        type=int,
+        metavar="N",
+        help="Threads, or processes of a cluster here; one for each core if not given.",
+    ),
+    click.option(
+        "--executor", metavar="NAME", help="Where to compute: threads, or dask for a cluster."
+    ),
+    click.option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Running Dask scheduler, such as tcp://10.0.0.1:8786.",
+    ),
+    click.option(
+        "--scheduler-file", metavar="FILE", help="File that a Dask scheduler wrote its address to."
     ),
     click.option("-o", "--output", metavar="FILE.h5", help="Result file."),
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import shlex
 import sys
 import time
@@ -13,6 +14,7 @@ from fivebar_atlas.cli import options
 from fivebar_atlas.cli.progress import Progress, note_compilation
 
 if TYPE_CHECKING:
+    from fivebar_atlas.config import Configuration
     from fivebar_atlas.executors import Executor
     from fivebar_atlas.store import AtlasWriter
     from fivebar_atlas.sweep import Sweep
@@ -21,54 +23,94 @@ if TYPE_CHECKING:
 @click.command()
 @options.config_argument
 @options.sweep_options
+@click.option(
+    "--shard",
+    metavar="I/N",
+    help="Compute only the I-th of N parts, such as 2/3; 'atlas merge' puts all together.",
+)
 @click.option("--resume", is_flag=True, help="Go on with an interrupted sweep, if there is one.")
 @options.overwrite_option
 @options.quiet_option
 def sweep(
-    config_path: str | None, resume: bool, overwrite: bool, quiet: bool, **given: Any
+    config_path: str | None,
+    shard: str | None,
+    resume: bool,
+    overwrite: bool,
+    quiet: bool,
+    **given: Any,
 ) -> None:
     """Compute an atlas: every design of a design space, for some modes.
 
     Options may also stand in CONFIG.toml; the command line wins. An interrupted sweep
     keeps its finished blocks in FILE.h5.partial, and --resume goes on with them.
+
+    With --shard I/N each of N runs, on whatever machines, computes a part of its own, into a
+    file of its own: -o PART-I.h5.
     """
     from fivebar_atlas import config, mechanisms
-    from fivebar_atlas.executors import ThreadExecutor
     from fivebar_atlas.store import AtlasWriter, is_complete
-    from fivebar_atlas.sweep import Sweep
+    from fivebar_atlas.sweep import Shard, Sweep
 
+    chosen = None if shard is None else Shard.parse(shard, "--shard")
+    if chosen is not None and given["output"] is None:
+        raise click.UsageError("A part needs a file of its own: give -o FILE.h5 with --shard.")
     configuration = config.resolve(config_path, options.overrides(**given))
     output, settings = configuration.output, configuration.settings
     if output is None:
         raise click.UsageError("No output is named: give -o FILE.h5, or 'output' under [run].")
-    if resume and is_complete(output, settings):
+    part = None if chosen is None else str(chosen)
+    if resume and is_complete(output, settings, part):
         _say(f"{output} is complete already", quiet)
         return
     began = time.monotonic()
-    work = Sweep(settings)
+    with options.as_typed({"shard": ("--shard", shard)}):
+        work = Sweep(settings, chosen)
     with AtlasWriter(
         output,
         settings,
         work.designs,
         [(block.start, block.stop) for block in work.blocks],
+        part=part,
         resume=resume,
         overwrite=overwrite,
         command_line=shlex.join(["atlas", *sys.argv[1:]]),
     ) as writer:
         try:
-            _run(work, writer, ThreadExecutor(configuration.threads), quiet)
+            with _executor(configuration) as executor:
+                _run(work, writer, executor, quiet)
             writer.assemble()
         except KeyboardInterrupt:
             raise click.Abort(_kept(work, writer)) from None
-    parts = [f"{len(work.designs):,} designs"]
+    said = [f"{work.count:,} designs"]
+    if part is not None:
+        said = [f"part {part}", f"{work.count:,} of {len(work.designs):,} designs"]
     if mechanisms.get(settings.mechanism).has_modes:
-        parts += settings.modes
-    _say(f"{output}: {', '.join(parts)}, {time.monotonic() - began:.1f} s", quiet)
+        said += settings.modes
+    _say(f"{output}: {', '.join(said)}, {time.monotonic() - began:.1f} s", quiet)
+
+
+def _executor(configuration: Configuration) -> Executor:
+    """Return where the blocks are computed."""
+    from fivebar_atlas import mechanisms
+    from fivebar_atlas.executors import ThreadExecutor
+
+    if configuration.executor == "threads":
+        return ThreadExecutor(configuration.threads)
+    from fivebar_atlas.dask_executor import DaskExecutor
+    from fivebar_atlas.versions import computing_versions
+
+    packages = mechanisms.get(configuration.settings.mechanism).computed_with
+    return DaskExecutor(
+        functools.partial(computing_versions, packages),
+        scheduler=configuration.scheduler,
+        scheduler_file=configuration.scheduler_file,
+        workers=configuration.threads,
+    )
 
 
 def _run(work: Sweep, writer: AtlasWriter, executor: Executor, quiet: bool) -> None:
     """Compute the blocks that are missing."""
-    total, done = len(work.designs), _designs(work, writer)
+    total, done = work.count, _designs(work, writer)
     if done:
         _say(f"{done:,} of {total:,} designs were finished before", quiet)
     if not quiet:
@@ -90,7 +132,7 @@ def _kept(work: Sweep, writer: AtlasWriter) -> str:
     done = _designs(work, writer)
     if not done:
         return ""
-    return f"{done:,} of {len(work.designs):,} designs are kept, --resume goes on with them"
+    return f"{done:,} of {work.count:,} designs are kept, --resume goes on with them"
 
 
 def _say(text: str, quiet: bool) -> None:

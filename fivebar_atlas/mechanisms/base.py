@@ -102,6 +102,8 @@ class Mechanism(ABC):
     exact_step: float = 1e-4
     #: LCI thresholds where nothing is said.
     default_lci_thresholds: tuple[float, ...] = DEFAULT_LCI_THRESHOLDS
+    #: Packages besides NumPy and Numba whose version the numbers depend on.
+    computed_with: tuple[str, ...] = ()
     #: What else a sweep may choose, beyond space, mode pairs, thresholds and tolerance.
     options: tuple[SweepOption, ...] = ()
 

@@ -155,6 +155,8 @@ class PentapodMechanism(Mechanism):
     exact_step = 1e-2
     # with the constraint's row in G no design has much more than 0.03
     default_lci_thresholds = (0.01,)
+    # the points of integration
+    computed_with = ("scipy",)
     options = OPTIONS
 
     def parse_mode(self, text: str) -> str:

@@ -1,0 +1,33 @@
+"""``atlas merge``: the parts of a sweep as one atlas."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+
+import click
+
+from fivebar_atlas.cli import options
+
+
+@click.command()
+@click.argument("parts", metavar="PART.h5...", nargs=-1, required=True, type=click.Path())
+@click.option(
+    "-o", "--output", required=True, metavar="FILE.h5", type=click.Path(path_type=Path),
+    help="Result file.",
+)  # fmt: skip
+@options.overwrite_option
+@options.quiet_option
+def merge(parts: tuple[str, ...], output: Path, overwrite: bool, quiet: bool) -> None:
+    """Write the atlas that the parts of a sweep make up.
+
+    The parts, from 'atlas sweep --shard', must be all there and belong together; the data are
+    then those of the sweep in one run, bit for bit.
+    """
+    from fivebar_atlas.store import merge as merge_parts
+
+    command_line = shlex.join(["atlas", *sys.argv[1:]])
+    count = merge_parts(parts, output, overwrite=overwrite, command_line=command_line)
+    if not quiet:
+        click.echo(f"{output}: {count:,} designs from {len(parts)} parts", err=True)

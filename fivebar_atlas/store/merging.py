@@ -1,0 +1,150 @@
+"""Putting the parts of an atlas together."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fivebar_atlas.errors import FileError, FileUsageError
+from fivebar_atlas.output_file import check_is_no_input, check_output
+from fivebar_atlas.store.assembly import ResultFile
+from fivebar_atlas.store.parts import Part
+from fivebar_atlas.store.provenance import FORMAT, provenance
+
+if TYPE_CHECKING:
+    pass
+
+# Root attributes that may differ from part to part.
+_OWN = frozenset({"part", "command_line", "created", "package_version"})
+# So much of a value is shown where parts differ.
+_LONGEST_VALUE = 60
+
+
+def merge(
+    paths: Sequence[str | os.PathLike[str]],
+    output: str | os.PathLike[str],
+    *,
+    overwrite: bool = False,
+    command_line: str = "",
+) -> int:
+    """Write the atlas that parts of a sweep make up.
+
+    Its data are those of the sweep in one run, bit for bit.
+
+    Parameters
+    ----------
+    paths
+        The files of all parts, in any order.
+    output
+        The result file.
+    overwrite
+        Replace an existing result file, once the new one is complete.
+    command_line
+        The command, for the record.
+
+    Returns
+    -------
+    int
+        Number of designs.
+
+    Raises
+    ------
+    FileUsageError
+        If a file is missing or is not part of the same sweep, a part is missing or there twice,
+        or the output exists (without ``overwrite``).
+    FileError
+        If a file is no part of an atlas or damaged, or the output cannot be written.
+    """
+    output = Path(output)
+    check_output(output, overwrite)
+    with contextlib.ExitStack() as stack:
+        parts: list[Part] = []
+        for path in map(Path, paths):
+            check_is_no_input(output, path)
+            part = Part(path)
+            stack.callback(part.close)
+            parts.append(part)
+        _check_belonging(parts)
+        order = _order(parts)
+        first = parts[0]
+        designs = np.concatenate([part.parameters(block) for part, block in order])
+        attributes = {
+            **provenance(first.settings, command_line),
+            # what the numbers were computed with
+            **{k: v for k, v in first.attributes.items() if k not in (*_OWN, "sweep_designs")},
+            "format": FORMAT,
+        }
+        file = ResultFile(first.settings, designs, attributes)
+        temporary = output.with_name(f".{output.stem}.{os.getpid()}.part{output.suffix}")
+        records = (part.records(block) for part, block in order)
+        file.write(temporary, output, records, overwrite=overwrite)
+    return len(designs)
+
+
+def _check_belonging(parts: Sequence[Part]) -> None:
+    """Raise FileUsageError unless the parts are all those of one sweep, each there once."""
+    first = parts[0]
+    for part in parts[1:]:
+        names = {*first.attributes, *part.attributes} - _OWN
+        for name in sorted(names):
+            one, other = first.attributes.get(name), part.attributes.get(name)
+            if one != other:
+                raise FileUsageError(
+                    part.path,
+                    f"is of another sweep than {first.path}: its {name} is "
+                    f"{_difference(other, one)}",
+                )
+        if part.count != first.count:
+            raise FileUsageError(
+                part.path,
+                f"is part {part.number}/{part.count}, but {first.path} is part "
+                f"{first.number}/{first.count}: all must be of as many",
+            )
+    found: dict[int, Path] = {}
+    for part in parts:
+        if part.number in found:
+            raise FileUsageError(
+                part.path,
+                f"is part {part.number}/{part.count}, and so is {found[part.number]}",
+            )
+        found[part.number] = part.path
+    missing = [f"{n}/{first.count}" for n in range(1, first.count + 1) if n not in found]
+    if missing:
+        word = "part" if len(missing) == 1 else "parts"
+        raise FileUsageError(first.path, f"needs {word} {', '.join(missing)} of its sweep, too")
+
+
+def _difference(value: object, other: object) -> str:
+    """Return in what a value differs from another: the lines of a text, or all of it."""
+    lines = str(value).splitlines()
+    others = str(other).splitlines()
+    only = ", ".join(line for line in lines if line not in others)
+    rest = ", ".join(line for line in others if line not in lines)
+    return f"{only[:_LONGEST_VALUE]!r}, not {rest[:_LONGEST_VALUE]!r}"
+
+
+def _order(parts: Sequence[Part]) -> list[tuple[Part, int]]:
+    """Return all blocks of all parts in the order of their designs.
+
+    Raises
+    ------
+    FileError
+        If blocks overlap or leave designs out.
+    """
+    blocks = sorted(
+        ((part.ranges[block], part, block) for part in parts for block in range(len(part.ranges))),
+        key=lambda each: each[0],
+    )
+    end = 0
+    for (start, stop), part, _ in blocks:
+        if start != end or stop <= start:
+            raise FileError(part.path, f"is damaged: a block begins at design {start}, not {end}")
+        end = stop
+    if end != parts[0].designs:
+        raise FileError(parts[0].path, f"is damaged: blocks end at {end} of {parts[0].designs}")
+    return [(part, block) for _, part, block in blocks]

@@ -1,0 +1,180 @@
+"""Collecting the results of a sweep for its result file."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from fivebar_atlas.errors import AtlasError, FileError
+from fivebar_atlas.mechanisms.arrays import FloatArray
+from fivebar_atlas.mechanisms.settings import SweepSettings
+from fivebar_atlas.output_file import check_output
+from fivebar_atlas.store.assembly import Range, ResultFile, record_type
+from fivebar_atlas.store.parts import Part
+from fivebar_atlas.store.provenance import identity, part_attributes, provenance
+from fivebar_atlas.store.reading import open_atlas
+from fivebar_atlas.unfinished_sweep import ASSEMBLED, UnfinishedSweep
+
+
+class AtlasWriter:
+    """Collects the blocks of a sweep and assembles the result file from them.
+
+    Use it as a context manager: leaving it keeps the finished blocks for a later
+    ``resume``, unless :meth:`assemble` has made them into the result file.
+
+    Parameters
+    ----------
+    output
+        The result file.
+    settings
+        What is computed.
+    designs
+        Every design of the sweep, shape (designs, parameters).
+    ranges
+        First design and the one after the last of every block, rising: all designs, or
+        those of a part.
+    part
+        Label of the part, ``"2/3"``, if the file is to hold a part only, which is to be merged
+        with the others.
+    resume
+        Go on with the finished blocks of an interrupted sweep, if there are any.
+    overwrite
+        Replace an existing result file, once the new one is complete.
+    command_line
+        The command, for the record.
+
+    Raises
+    ------
+    FileUsageError
+        If the output exists (without ``overwrite``), its folder does not, or there are
+        blocks that may not be gone on with.
+    FileError
+        If the output cannot be written.
+    """
+
+    def __init__(
+        self,
+        output: str | os.PathLike[str],
+        settings: SweepSettings,
+        designs: FloatArray,
+        ranges: Sequence[Range],
+        *,
+        part: str | None = None,
+        resume: bool = False,
+        overwrite: bool = False,
+        command_line: str = "",
+    ) -> None:
+        self.output = Path(output)
+        self._ranges = ranges
+        self._overwrite = overwrite
+        own, attributes = identity(settings), provenance(settings, command_line)
+        if part is None:
+            self._file = ResultFile(settings, designs, attributes)
+        else:
+            own["part"] = part
+            attributes.update(part_attributes(part, len(designs)))
+            chosen = np.concatenate([designs[start:stop] for start, stop in ranges])
+            self._file = ResultFile(settings, chosen, attributes, ranges)
+        check_output(self.output, overwrite)
+        self._blocks = UnfinishedSweep(
+            self.output,
+            own,
+            ranges,
+            record_type(self._file.mechanism, settings),
+            resume=resume,
+            restart=overwrite,
+        )
+
+    @property
+    def finished(self) -> frozenset[int]:
+        """Indices of the blocks that need not be computed again."""
+        return frozenset(self._blocks.finished)
+
+    def add(self, index: int, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+        """Keep the results of a block; they survive whatever ends the process.
+
+        Parameters
+        ----------
+        index
+            Number of the block.
+        arrays
+            One array for every quantity and error companion.
+
+        Raises
+        ------
+        FileError
+            If the disk is full or fails; the finished blocks are kept.
+        """
+        self._blocks.add(index, arrays)
+
+    def assemble(self) -> None:
+        """Write the result file from the blocks, all of which must be finished.
+
+        Raises
+        ------
+        FileError
+            If the disk is full or fails; the blocks are kept, and an existing result file
+            is untouched.
+        FileUsageError
+            If the output has come into existence in the meantime.
+        """
+        self._file.write(
+            self._blocks.path / ASSEMBLED,
+            self.output,
+            self._records(),
+            overwrite=self._overwrite,
+            kept="all finished blocks are kept, --resume goes on with them",
+        )
+        self._blocks.remove()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._blocks.close()
+
+    def _records(self) -> Iterator[npt.NDArray[Any]]:
+        """Yield the records of every block, in their order."""
+        for index in range(len(self._ranges)):
+            records = self._blocks.read(index)
+            if records is None:
+                raise FileError(
+                    self._blocks.path,
+                    f"block {index} is missing or damaged; --resume computes it again",
+                )
+            yield records
+
+
+def is_complete(
+    output: str | os.PathLike[str], settings: SweepSettings, part: str | None = None
+) -> bool:
+    """Return whether a file holds the result of these settings by these kernels.
+
+    Parameters
+    ----------
+    output
+        The file.
+    settings
+        What was to be computed.
+    part
+        Label of the part that it is to hold; None for all.
+    """
+    own = identity(settings) if part is None else {**identity(settings), "part": part}
+    try:
+        found = open_atlas(output) if part is None else Part(Path(output))
+        with contextlib.closing(found):
+            return all(found.attributes.get(name) == value for name, value in own.items())
+    except AtlasError:
+        return False
