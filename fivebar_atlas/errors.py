@@ -179,6 +179,24 @@ class InfeasiblePathError(AtlasError):
     """A path that a linkage cannot follow in one mode pair."""
 
 
+class MotionError(AtlasError):
+    """A motion that a mechanism cannot make, or that is not smooth enough to be solved.
+
+    Parameters
+    ----------
+    what
+        What is wrong, where and by how much, as a sentence.
+    time
+        The time of it, in the unit of the motion; None where it is not one time.
+    """
+
+    exit_code = 2
+
+    def __init__(self, what: str, time: float | None = None) -> None:
+        super().__init__(what)
+        self.time = time
+
+
 class InfeasibleSizeError(AtlasError):
     """A practical workspace that no size of a machine has, or none within its limits."""
 

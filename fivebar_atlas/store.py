@@ -745,6 +745,8 @@ def _interpret(path: Path, attributes: Mapping[str, Any]) -> tuple[Mechanism, Sw
     """Return mechanism and settings of a file from its root attributes."""
     from fivebar_atlas import config
 
+    if attributes.get("format") == f"{FORMAT}-trajectory":
+        raise FileError(path, "is a trajectory, not an atlas; 'atlas info' says what is in it")
     if attributes.get("format") != FORMAT:
         raise FileError(path, "is an HDF5 file, but not one written by atlas sweep")
     version = attributes.get("format_version")

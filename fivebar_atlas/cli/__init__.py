@@ -32,6 +32,7 @@ _COMMANDS = {
     "lookup": "Look up one machine in an atlas.",
     "animate": "Show a linkage that follows a path.",
     "path": "Tell whether a linkage can follow a path.",
+    "trajectory": "Solve a motion: limb lengths, velocities, accelerations, forces.",
     "info": "Say what is in a result file and how it was made.",
     "export": "Write a result file as a table.",
     "geometry": "List or write loci, workspaces and circles of one design as exact arcs.",
