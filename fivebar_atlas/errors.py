@@ -50,6 +50,18 @@ class InputError(AtlasError, ValueError):
         return InputError(name, value, self.allowed)
 
 
+class MissingInputError(InputError):
+    """A value that must be given is not."""
+
+    def __init__(self, name: str, expected: str) -> None:
+        super().__init__(name, None, expected)
+        self.args = (f"{name} is missing; expected {expected}",)
+
+    def renamed(self, name: str, value: Any) -> InputError:  # noqa: ARG002
+        """Return the same error for an input under another name."""
+        return MissingInputError(name, self.allowed)
+
+
 class UnknownNameError(InputError):
     """A name is not among those there are; the nearest known one is offered."""
 

@@ -5,16 +5,13 @@ from __future__ import annotations
 import json
 import sys
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from fivebar_atlas.cli import options
-
-if TYPE_CHECKING:
-    from fivebar_atlas.trajectories.motion_problem import Trajectory
+from fivebar_atlas.cli.trajectory_text import document, lines
 
 _PATH = click.Path(path_type=Path)
 
@@ -148,111 +145,6 @@ def trajectory(
 
         save_outputs(drawn, figure, plotted, data, "", overwrite)
     if as_json:
-        click.echo(json.dumps(_document(file, solved), indent=2, allow_nan=False))
+        click.echo(json.dumps(document(file, solved), indent=2, allow_nan=False))
     else:
-        click.echo("\n".join(_lines(file, solved)))
-
-
-def _extremes(solved: Trajectory) -> Iterator[dict[str, Any]]:
-    """Yield range and times of every quantity."""
-    import numpy as np
-
-    times = solved.solution.times
-    for column in solved.solution:
-        low, high = int(np.argmin(column.values)), int(np.argmax(column.values))
-        yield {
-            "name": column.name,
-            "long_name": column.long_name,
-            "unit": column.unit,
-            "group": column.group,
-            "least": float(column.values[low]) + 0.0,
-            "least_at": float(times[low]),
-            "greatest": float(column.values[high]) + 0.0,
-            "greatest_at": float(times[high]),
-        }
-
-
-def _largest_force(solved: Trajectory) -> dict[str, Any]:
-    """Return the largest active force and when it is."""
-    import numpy as np
-
-    columns = [each for each in solved.solution if each.name in _active(solved)]
-    values = np.array([each.values for each in columns])
-    limb, place = np.unravel_index(int(np.argmax(np.abs(values))), values.shape)
-    return {
-        "name": columns[int(limb)].name,
-        "value": float(values[limb, place]),
-        "at": float(solved.solution.times[place]),
-    }
-
-
-def _active(solved: Trajectory) -> set[str]:
-    """Return the names of the active forces."""
-    return {each.name for each in solved.solution if each.long_name.startswith("active force")}
-
-
-def _document(file: Path, solved: Trajectory) -> dict[str, Any]:
-    """Return the summary as JSON has it."""
-    units = solved.solution.units
-    return {
-        "file": str(file),
-        "mechanism": solved.mechanism.name,
-        "machine": solved.machine,
-        "samples": len(solved.solution.times),
-        "duration": float(solved.solution.times[-1] - solved.solution.times[0]),
-        "units": {
-            "length": units.length,
-            "force": units.force,
-            "moment": units.moment,
-            "time": units.time,
-            "angle": "deg",
-        },
-        "quantities": list(_extremes(solved)),
-        "largest_active_force": _largest_force(solved),
-        **solved.solution.facts,
-        "estimated_errors": {
-            name: {"value": value, "unit": solved.error_units[name]}
-            for name, value in solved.errors.items()
-        },
-    }
-
-
-def _lines(file: Path, solved: Trajectory) -> Iterator[str]:
-    """Yield the summary as lines."""
-    solution = solved.solution
-    time, force = solution.units.time, solution.units.force
-    first, last = float(solution.times[0]), float(solution.times[-1])
-    yield solved.mechanism.title
-    yield solved.machine
-    yield (
-        f"{file}: {len(solution.times):,} samples from t = {first:g} to {last:g} {time}; "
-        f"lengths in {solution.units.length}, forces in {force}, moments in "
-        f"{solution.units.moment}"
-    )
-    yield ""
-    when = f"at t ({time})"
-    yield f"{'':<23}{'unit':<8}{'least':>13}{when:>12}{'greatest':>13}{when:>12}"
-    group = ""
-    for each in _extremes(solved):
-        if each["group"] != group:
-            group = each["group"]
-            yield group
-        yield (
-            f"  {each['name']:<21}{each['unit']:<8}{each['least']:>13.6g}{each['least_at']:>12.5g}"
-            f"{each['greatest']:>13.6g}{each['greatest_at']:>12.5g}"
-        )
-    yield ""
-    largest = _largest_force(solved)
-    yield (
-        f"largest active force  {largest['name']} = {largest['value']:.6g} {force} at "
-        f"t = {largest['at']:.5g} {time} (positive pushes the platform)"
-    )
-    facts = solution.facts
-    yield (
-        f"least LCI             {facts['least_lci']:.6g} at t = {facts['least_lci_time']:.5g} "
-        f"{time}, with L = {facts['characteristic_length']:.6g} {solution.units.length}"
-    )
-    if solved.errors:
-        yield "estimated errors of derivatives from samples, at most:"
-        for name, value in solved.errors.items():
-            yield f"  {name:<24}{value:.2e} {solved.error_units[name]}"
+        click.echo("\n".join(lines(file, solved)))

@@ -276,3 +276,8 @@ def sampled_times(duration: float, samples: int) -> FloatArray:
     """Return times from 0 to the duration, in equal steps."""
     times: FloatArray = np.linspace(0.0, duration, samples)
     return times
+
+
+def plain_unit(unit: str, times: str = " ") -> str:
+    """Return a unit without raised digits and dots: ``"mm/s2"``, ``"N mm"``."""
+    return unit.replace("²", "2").replace("·", times)

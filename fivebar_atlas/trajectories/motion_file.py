@@ -14,13 +14,18 @@ from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from fivebar_atlas.errors import FileError, FileUsageError, InputError, UnknownNameError
+from fivebar_atlas.errors import (
+    FileError,
+    FileUsageError,
+    InputError,
+    MissingInputError,
+    UnknownNameError,
+)
 
 _STRICT = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
 # What a value of the wrong type should have been, by pydantic's name of the fault.
 _EXPECTED = {
-    "missing": "a value: the key is missing",
     "int_type": "an integer",
     "float_type": "a number",
     "finite_number": "a finite number",
@@ -217,7 +222,7 @@ def checked_function(value: object, name: str, source: str) -> float | FunctionT
         raise InputError(key_in(name, source), value, f"a number, or a table with a kind: {kinds}")
     kind = value.get("kind")
     if kind is None:
-        raise InputError(key_in(f"{name}.kind", source), None, f"a kind of function: {kinds}")
+        raise MissingInputError(key_in(f"{name}.kind", source), f"a kind of function: {kinds}")
     if not isinstance(kind, str) or kind not in _KINDS:
         raise UnknownNameError(key_in(f"{name}.kind", source), str(kind), _KINDS)
     return checked_table(_KINDS[kind], value, name, source)
@@ -234,9 +239,10 @@ def checked_table(model: type[Table], values: Mapping[str, Any], name: str, sour
             raise UnknownNameError(
                 key_in(key, source), str(fault["loc"][-1]), _known(model, fault["loc"][:-1])
             ) from None
+        if fault["type"] == "missing":
+            raise MissingInputError(key_in(key, source), "a value for this key") from None
         expected = _EXPECTED.get(fault["type"], fault["msg"])
-        value = None if fault["type"] == "missing" else fault["input"]
-        raise InputError(key_in(key, source), value, expected) from None
+        raise InputError(key_in(key, source), fault["input"], expected) from None
 
 
 def key_in(key: str, source: str) -> str:

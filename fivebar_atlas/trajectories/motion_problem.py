@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fivebar_atlas import mechanisms
-from fivebar_atlas.errors import FileUsageError, InputError, UnknownNameError
+from fivebar_atlas.errors import FileUsageError, InputError, MissingInputError, UnknownNameError
 from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.motions import (
@@ -23,6 +23,7 @@ from fivebar_atlas.mechanisms.motions import (
     MotionSolver,
     SolvedMotion,
     Units,
+    plain_unit,
     sampled_times,
 )
 from fivebar_atlas.text_tables import TextTable, read_table
@@ -246,7 +247,7 @@ class _Reader:
         section = self._file.motion
         if section.duration is None:
             expected = "how long the motion lasts; or motion.file, a table of poses"
-            raise InputError(self._key("motion.duration"), None, expected)
+            raise MissingInputError(self._key("motion.duration"), expected)
         if not section.duration > 0.0:
             raise InputError(self._key("motion.duration"), section.duration, "a time above 0")
         samples = DEFAULT if section.samples is None else section.samples
@@ -267,7 +268,7 @@ class _Reader:
                 given = 0.0
             if given is None:
                 expected = "a number or a function; or motion.solve, if it is to be solved for"
-                raise InputError(self._key(key), None, expected)
+                raise MissingInputError(self._key(key), expected)
             functions.append(self._function(given, key, section.duration, self._unit(number), True))
 
         def at(times: FloatArray) -> Motion:
@@ -414,11 +415,6 @@ class _Reader:
 def _first_that_moves() -> str:
     """Return the name of the first mechanism whose motions can be solved."""
     return next(name for name in mechanisms.names() if mechanisms.get(name).has_motions)
-
-
-def plain_unit(unit: str, times: str = " ") -> str:
-    """Return a unit without raised digits and dots: ``"mm/s2"``, ``"N mm"``."""
-    return unit.replace("²", "2").replace("·", times)
 
 
 def _places(table: TextTable, name: str, unit: str) -> list[int]:

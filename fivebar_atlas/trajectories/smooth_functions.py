@@ -105,7 +105,10 @@ def spline(
         orders = (1, 2) if ends == "clamped" else (3, 4)
         side = [(order, 0.0) for order in orders]
         conditions = (side, side)
-    return PPoly.from_spline(make_interp_spline(places, heights, k=degree, bc_type=conditions))
+    found = PPoly.from_spline(make_interp_spline(places, heights, k=degree, bc_type=conditions))
+    # the knots at the ends are there several times, with nothing between them
+    wide = np.diff(found.x) > 0.0
+    return PPoly(found.c[:, wide], np.append(found.x[:-1][wide], found.x[-1]))
 
 
 def rising(name: str, values: Sequence[float], least: int) -> FloatArray:

@@ -13,16 +13,18 @@ import io
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fivebar_atlas import __version__
 from fivebar_atlas.errors import FileError, FileUsageError
 from fivebar_atlas.mechanisms.arrays import FloatArray
-from fivebar_atlas.mechanisms.motions import Column
+from fivebar_atlas.mechanisms.motions import Column, plain_unit
 from fivebar_atlas.output_file import atomic_output
-from fivebar_atlas.trajectories.motion_problem import Trajectory, plain_unit
+
+if TYPE_CHECKING:
+    from fivebar_atlas.trajectories.motion_problem import Trajectory
 
 FORMAT = "fivebar-atlas-trajectory"
 FORMAT_VERSION = 1

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from fivebar_atlas.errors import InputError, UnknownNameError
+from fivebar_atlas.errors import InputError, MissingInputError, UnknownNameError
 from fivebar_atlas.mechanisms.pentapod.geometry import PentapodGeometry
 from fivebar_atlas.mechanisms.pentapod.singularity import is_always_singular
 
@@ -51,12 +51,17 @@ def geometry_from_table(
     needed = (*_JOINTS, _AXIS) if by_joints else ("r_a", "r_b")
     for key in needed:
         if key not in table:
-            raise InputError(named(key), None, _expected(key))
+            raise MissingInputError(named(key), _expected(key))
     try:
         geometry = _from_joints(table, named) if by_joints else _from_radii(table, named)
     except InputError as error:
-        known = error.name in table
-        raise (error.renamed(named(error.name), error.value) if known else error) from None
+        # joints that follow from radii are none of the table's
+        if error.name in table:
+            raise error.renamed(named(error.name), error.value) from None
+        if error.name not in (*_JOINTS, _AXIS):
+            raise
+        given = {key: table[key] for key in by_radii}
+        raise InputError(named("r_a"), given, error.allowed) from None
     if is_always_singular(geometry):
         raise InputError(
             named(needed[0]),
