@@ -53,6 +53,18 @@ class InputError(AtlasError, ValueError):
         return InputError(name, value, self.allowed)
 
 
+class MissingInputError(InputError):
+    """A value that must be given is not."""
+
+    def __init__(self, name: str, expected: str) -> None:
+        super().__init__(name, None, expected)
+        self.args = (f"{name} is missing; expected {expected}",)
+
+    def renamed(self, name: str, value: Any) -> InputError:  # noqa: ARG002
+        """Return the same error for an input under another name."""
+        return MissingInputError(name, self.allowed)
+
+
 class UnknownNameError(InputError):
     """A name is not among those there are; the nearest known one is offered.
 
@@ -205,6 +217,24 @@ class SingularPoseError(AtlasError):
 
 class InfeasiblePathError(AtlasError):
     """A path that a linkage cannot follow in one mode pair."""
+
+
+class MotionError(AtlasError):
+    """A motion that a mechanism cannot make, or that is not smooth enough to be solved.
+
+    Parameters
+    ----------
+    what
+        What is wrong, where and by how much, as a sentence.
+    time
+        The time of it, in the unit of the motion; None where it is not one time.
+    """
+
+    exit_code = 2
+
+    def __init__(self, what: str, time: float | None = None) -> None:
+        super().__init__(what)
+        self.time = time
 
 
 class InfeasibleSizeError(AtlasError):

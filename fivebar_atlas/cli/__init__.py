@@ -33,6 +33,7 @@ _COMMANDS = {
     "animate": "Show a linkage that follows a path.",
     "path": "Tell whether a linkage can follow a path.",
     "merge": "Write the atlas that the parts of a sweep make up.",
+    "trajectory": "Solve a motion: limb lengths, velocities, accelerations, forces.",
     "info": "Say what is in a result file and how it was made.",
     "export": "Write a result file as a table.",
     "geometry": "List or write loci, workspaces and circles of one design as exact arcs.",

@@ -24,11 +24,27 @@ _WIDTH = 16
 def info(file: str, as_json: bool) -> None:
     """Say what is in a result file and how it was made."""
     from fivebar_atlas.store import open_atlas
+    from fivebar_atlas.trajectories.trajectory_file import is_trajectory
 
+    if is_trajectory(file):
+        _say_of_trajectory(file, as_json)
+        return
     with open_atlas(file) as atlas:
         document = _document(atlas)
         text = "" if as_json else _text(document, atlas.mechanism, atlas.settings.options)
     click.echo(json.dumps(document, indent=2) if as_json else text)
+
+
+def _say_of_trajectory(file: str, as_json: bool) -> None:
+    """Say what is in the file of a trajectory."""
+    from fivebar_atlas.cli.trajectory_text import stored_document, stored_lines
+    from fivebar_atlas.trajectories.trajectory_file import read_trajectory
+
+    stored = read_trajectory(file)
+    if as_json:
+        click.echo(json.dumps(stored_document(stored), indent=2))
+    else:
+        click.echo("\n".join(stored_lines(stored)))
 
 
 def _document(atlas: Atlas) -> dict[str, Any]:

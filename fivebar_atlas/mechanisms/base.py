@@ -39,6 +39,7 @@ from fivebar_atlas.mechanisms.settings import (
 )
 
 if TYPE_CHECKING:
+    from fivebar_atlas.mechanisms.motions import MotionSolver, Units
     from fivebar_atlas.mechanisms.planar import (
         OptimalConfiguration,
         PlacedExtremes,
@@ -415,6 +416,38 @@ class Mechanism(ABC):
             If the lengths make no mechanism, or its output does not move in a plane.
         """
         raise self._without("a mechanism whose output point moves in a plane", "planar_design")
+
+    @property
+    def has_motions(self) -> bool:
+        """Whether there is a :meth:`motion_solver`."""
+        return type(self).motion_solver is not Mechanism.motion_solver
+
+    def motion_solver(
+        self,
+        geometry: Mapping[str, object],  # noqa: ARG002
+        characteristic_length: float | None,  # noqa: ARG002
+        units: Units,  # noqa: ARG002
+        named: Callable[[str], str] = str,  # noqa: ARG002
+    ) -> MotionSolver:
+        """Return one machine that solves motions of its moving body.
+
+        Parameters
+        ----------
+        geometry
+            What the machine is, by name: numbers and lists, angles in degrees.
+        characteristic_length
+            Length by which turns are judged; the machine's own where nothing is said.
+        units
+            Names of the units.
+        named
+            Returns what an input is called in messages.
+
+        Raises
+        ------
+        InputError
+            If the geometry makes no machine, or the mechanism has no such motions.
+        """
+        raise InputError("mechanism", self.name, "a mechanism whose platform moves in space")
 
     def design_of(self, parameters: FloatArray, options: Options = ()) -> PlanarDesign:
         """Return the non-dimensional design of parameters, shape (parameters,).

@@ -73,6 +73,8 @@ def interpret(
         if found == PART_FORMAT:
             part = f"holds part {attributes.get('part')} of an atlas"
             raise FileError(path, f"{part}; atlas merge puts all parts together")
+        if found == f"{FORMAT}-trajectory":
+            raise FileError(path, "is a trajectory, not an atlas; 'atlas info' says what is in it")
         if found == FORMAT:
             raise FileError(path, "holds a whole atlas, not a part of one")
         raise FileError(path, "is an HDF5 file, but not one written by atlas sweep")

@@ -338,6 +338,42 @@ def quadratic_terms(
     return terms
 
 
+def quadratic_terms_of(
+    geometry: PentapodGeometry,
+    positions: FloatArray,
+    rotations: FloatArray,
+    limbs: Limbs,
+    twists: FloatArray,
+) -> FloatArray:
+    """Return Vᵀ H_i V without the matrices, by the formulas of :func:`hessians`; unchecked.
+
+    Parameters
+    ----------
+    geometry
+        The joints.
+    positions, rotations, limbs
+        p, shape (..., 3), R, shape (..., 3, 3), and their limbs.
+    twists
+        (v, ω), shape (..., 6).
+
+    Returns
+    -------
+    ndarray
+        Shape (..., 6).
+    """
+    linear, turn = twists[..., None, :3], twists[..., None, 3:]
+    swing = np.cross(turn, limbs.arms)
+    speeds = linear + swing
+    along = np.sum(speeds * limbs.directions, axis=-1)
+    inward = np.sum(np.cross(turn, swing) * limbs.directions, axis=-1)
+    ours = (np.sum(speeds * speeds, axis=-1) - along**2) / limbs.lengths + inward
+    axis, arm = _constraint_line(geometry, positions, rotations)
+    v, w = twists[..., :3], twists[..., 3:]
+    spin = 2.0 * np.cross(axis, v) - np.cross(arm, np.cross(axis, w))
+    last = np.sum(w * spin, axis=-1)
+    return np.concatenate([ours, last[..., None]], axis=-1)
+
+
 def solved(geometry: PentapodGeometry, jacobians: FloatArray, right: FloatArray) -> FloatArray:
     """Return x with G x = b, shape (..., 6).
 

@@ -13,8 +13,11 @@ from fivebar_atlas.errors import InputError, UnknownNameError
 from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray, IntArray
 from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.charts import DesignChart
+from fivebar_atlas.mechanisms.motions import MotionSolver, Units
 from fivebar_atlas.mechanisms.pentapod import design_space
 from fivebar_atlas.mechanisms.pentapod.atlas_options import OPTIONS, AtlasOptions
+from fivebar_atlas.mechanisms.pentapod.motion import PentapodMotionSolver
+from fivebar_atlas.mechanisms.pentapod.motion_geometry import geometry_from_table
 from fivebar_atlas.mechanisms.quantities import (
     DESIGN,
     THRESHOLD,
@@ -224,6 +227,21 @@ class PentapodMechanism(Mechanism):
             np.array(settings.lci_thresholds, dtype=np.float64),
             settings.tolerance,
         )
+
+    def motion_solver(
+        self,
+        geometry: Mapping[str, object],
+        characteristic_length: float | None,
+        units: Units,
+        named: Callable[[str], str] = str,
+    ) -> MotionSolver:
+        """Return one pentapod that moves; L is its r_b where nothing is said.
+
+        r_b of joints on no circle is the root mean square distance of B_i from their mean.
+        """
+        joints = geometry_from_table(geometry, named)
+        length = joints.platform_radius if characteristic_length is None else characteristic_length
+        return PentapodMotionSolver(joints, length, units)
 
     def are_designs(
         self,

@@ -1,0 +1,1 @@
+"""Motions of machines from files, solved, and written as trajectories."""
