@@ -7,6 +7,8 @@ The public Python interface:
     its workspaces and conditioning indices for any mode pair, its loci and outlines as arcs.
 :class:`PassiveLeg`
     One manipulator with a passive leg, the same for it.
+:class:`Pentapod`
+    One pentapod: displacements, Jacobian matrices, forces, indices, workspace limits.
 :func:`planar_design`
     One design in the unit of its machine, as figures and files of its geometry take it.
 :func:`open_atlas`
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from fivebar_atlas.mechanisms import planar_design
     from fivebar_atlas.mechanisms.five_bar.five_bar import FiveBar
     from fivebar_atlas.mechanisms.passive_leg.passive_leg import PassiveLeg
+    from fivebar_atlas.mechanisms.pentapod.pentapod import Pentapod
     from fivebar_atlas.store import open_atlas
 
 __version__ = "0.1.0"
@@ -50,6 +53,7 @@ __all__ = [
     "InputError",
     "OutOfReachError",
     "PassiveLeg",
+    "Pentapod",
     "UnknownNameError",
     "__version__",
     "open_atlas",
@@ -67,6 +71,7 @@ _MODULES = {
     "InputError": "fivebar_atlas.errors",
     "OutOfReachError": "fivebar_atlas.errors",
     "PassiveLeg": "fivebar_atlas.mechanisms.passive_leg.passive_leg",
+    "Pentapod": "fivebar_atlas.mechanisms.pentapod.pentapod",
     "UnknownNameError": "fivebar_atlas.errors",
     "open_atlas": "fivebar_atlas.store",
     "planar_design": "fivebar_atlas.mechanisms",

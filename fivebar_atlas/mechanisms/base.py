@@ -46,6 +46,7 @@ if TYPE_CHECKING:
         PlacementScan,
         PlanarDesign,
     )
+    from fivebar_atlas.mechanisms.spatial import SpatialDesign
 
 
 # Up to this difference of every parameter designs are the same.
@@ -448,6 +449,31 @@ class Mechanism(ABC):
             If the geometry makes no machine, or the mechanism has no such motions.
         """
         raise InputError("mechanism", self.name, "a mechanism whose platform moves in space")
+
+    def spatial_design(
+        self,
+        lengths: Sequence[float],  # noqa: ARG002
+        unit: str | None = None,  # noqa: ARG002
+        options: Options = (),  # noqa: ARG002
+    ) -> SpatialDesign:
+        """Return one design whose platform moves in space, for figures.
+
+        Parameters
+        ----------
+        lengths, unit, options
+            As in :meth:`planar_design`.
+
+        Raises
+        ------
+        InputError
+            If the lengths make no mechanism, or its output moves in a plane.
+        """
+        raise InputError("mechanism", self.name, "a mechanism whose platform moves in space")
+
+    @property
+    def is_spatial(self) -> bool:
+        """Whether there is a :meth:`spatial_design`."""
+        return type(self).spatial_design is not Mechanism.spatial_design
 
     def design_of(self, parameters: FloatArray, options: Options = ()) -> PlanarDesign:
         """Return the non-dimensional design of parameters, shape (parameters,).

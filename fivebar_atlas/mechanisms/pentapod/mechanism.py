@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,9 @@ from fivebar_atlas.mechanisms.quantities import (
     Quantity,
 )
 from fivebar_atlas.mechanisms.settings import Options, SweepSettings
+
+if TYPE_CHECKING:
+    from fivebar_atlas.mechanisms.spatial import SpatialDesign
 
 #: The only mode: poses without a singular one between them and home, as far as a sign tells.
 HOME_ASSEMBLY = "home"
@@ -274,6 +277,20 @@ class PentapodMechanism(Mechanism):
         if not least <= height <= greatest:
             raise InputError("H", height, f"a length from {least:g} to {greatest:g}")
         return np.array([r_a, r_b]) / height, height
+
+    def spatial_design(
+        self, lengths: Sequence[float], unit: str | None = None, options: Options = ()
+    ) -> SpatialDesign:
+        """Return one design for figures."""
+        from fivebar_atlas.mechanisms.pentapod.pentapod import Pentapod
+
+        parameters, factor = self.from_lengths(lengths)
+        if unit is None:
+            unit = "" if factor == 1.0 else "mm"
+        if not unit:
+            factor = 1.0
+        r_a, r_b = (factor * float(value) for value in parameters)
+        return Pentapod.from_radii(factor, r_a, r_b, unit, options)
 
     def project(self, parameters: FloatArray, space: str) -> FloatArray:  # noqa: ARG002
         """Return r_a and r_b, the coordinates of the chart."""
