@@ -55,8 +55,8 @@ _DEGENERATE = 1e-9
 # Points of a scrambling at most at a tolerance of 1e-3; a tighter one is worth more of them, and
 # this factor bounds the memory that they take.
 _MOST_POINTS, _MOST_FACTOR = 1 << 14, 8
-# Quantile of Student's t for the scrambling means: two-sided, 99.5 %.
-_STUDENT = 3.2860385709462347
+# Quantile of Student's t for the scrambling means: two-sided, 99.8 %.
+_STUDENT = 3.7328344253109
 # Shares of the box that may go unseen: with no more the odds of seeing nothing are 1 in 1,000.
 _UNSEEN = math.log(1000.0)
 # Where there are few usable points their scatter tells little: this over the square of their
@@ -295,13 +295,13 @@ def _set_means(
 
 
 def mean_and_error(values: FloatArray) -> tuple[float, float]:
-    """Return the mean of independent unbiased estimates and its error, at 99.5 %."""
+    """Return the mean of independent unbiased estimates and its error, at 99.8 %."""
     mean = float(values.mean())
     return mean, _STUDENT * float(values.std(ddof=1)) / math.sqrt(len(values))
 
 
 def ratio_and_error(above: FloatArray, below: FloatArray) -> tuple[float, float]:
-    """Return the ratio of the means of pairs of estimates and its error, at 99.5 %.
+    """Return the ratio of the means of pairs of estimates and its error, at 99.8 %.
 
     The error is linearised: that of the mean of the differences above - ratio below.
     """
