@@ -259,7 +259,7 @@ def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> No
     sides = [side for link in pose.links for side in _sleeve_sides(frame, pose, link, look)]
     angles = _draw_angles(frame, pose)
     faint = [points_along(line, SPACING) for angle in angles for line in angle.lines]
-    labels = _Labels(
+    labels = PanelLabels(
         frame,
         np.concatenate([points_along(line, SPACING) for line in (*lines, *sides)]),
         np.concatenate([frame.cross, *faint]),
@@ -288,7 +288,7 @@ def label_linkage(frame: PlaneFrame, pose: Pose, look: LinkageLook = BOLD) -> No
 
 
 @dataclasses.dataclass(slots=True)
-class _Labels:
+class PanelLabels:
     """Labels of a panel, and points of lines that they must not and better not cover."""
 
     frame: PlaneFrame

@@ -1,4 +1,4 @@
-"""A chart and heights above it, seen obliquely in parallel projection."""
+"""A chart and heights above it, or bodies in space, seen obliquely in parallel projection."""
 
 from __future__ import annotations
 
@@ -75,6 +75,18 @@ class ObliqueView:
         across = points @ np.array([-y, x])
         up = heights - math.sin(math.radians(self.elevation)) * self.nearness(points)
         return np.stack([across, up], axis=-1)
+
+    def project(self, points: FloatArray) -> FloatArray:
+        """Return where points of space, shape (..., 3), are seen, shape (..., 2), to scale."""
+        heights = math.cos(math.radians(self.elevation)) * points[..., 2]
+        return self.place(points[..., :2], heights)
+
+    def depth(self, points: FloatArray) -> FloatArray:
+        """Return how near points of space, shape (..., 3), are to the viewer, shape (...)."""
+        up = math.radians(self.elevation)
+        return np.asarray(
+            math.cos(up) * self.nearness(points[..., :2]) + math.sin(up) * points[..., 2]
+        )
 
     def chart(self, chart: DesignChart) -> DesignChart:
         """Return a chart as it is seen."""

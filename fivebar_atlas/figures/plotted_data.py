@@ -27,7 +27,7 @@ class PlottedPart:
     curve, kind
         Name of the curve and what happens on it; empty where that means nothing.
     points
-        Coordinates, shape (n, 2).
+        Coordinates, shape (n, 2), or (n, 3) in space.
     values
         A value at each of them, shape (n,); NaN where there is none.
     """
@@ -49,30 +49,33 @@ class PlottedData:
         The parts.
     units
         Units of x and y where they are no lengths; None where they are.
+    dimensions
+        Number of coordinates of a point.
     """
 
     parts: list[PlottedPart] = dataclasses.field(default_factory=list)
     units: tuple[str, str] | None = None
+    dimensions: int = 2
 
     def add(
         self,
         element: str,
-        points: FloatArray | Sequence[tuple[float, float]],
+        points: FloatArray | Sequence[Sequence[float]],
         curve: str = "",
         kind: str = "",
         values: FloatArray | float = math.nan,
     ) -> None:
         """Record a part; one value stands for all of its points."""
-        places = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+        places = np.asarray(points, dtype=np.float64).reshape(-1, self.dimensions)
         wide = np.broadcast_to(np.asarray(values, dtype=np.float64), len(places))
         self.parts.append(PlottedPart(element, curve, kind, places, wide))
 
     def rows(self) -> Iterator[tuple[object, ...]]:
-        """Yield element, number of the part, curve, kind, x, y and value of every point."""
+        """Yield element, number of the part, curve, kind, coordinates and value of points."""
         for number, part in enumerate(self.parts, start=1):
-            for (x, y), value in zip(part.points.tolist(), part.values.tolist(), strict=True):
+            for point, value in zip(part.points.tolist(), part.values.tolist(), strict=True):
                 known = "" if math.isnan(value) else value
-                yield part.element, number, part.curve, part.kind, x, y, known
+                yield part.element, number, part.curve, part.kind, *point, known
 
     def write(self, path: Path, unit: str, overwrite: bool = False) -> None:
         """Write the rows as comma-separated values with a header.
@@ -92,9 +95,10 @@ class PlottedData:
         FileUsageError, FileError
             If the file cannot be written or exists already.
         """
-        units = (unit, unit) if self.units is None else self.units
-        x, y = (f"{name}_{each}" if each else name for name, each in zip("xy", units, strict=True))
-        header = ("element", "part", "curve", "kind", x, y, "value")
+        units = (unit,) * self.dimensions if self.units is None else self.units
+        named = zip("xyz"[: self.dimensions], units, strict=True)
+        places = (f"{name}_{each}" if each else name for name, each in named)
+        header = ("element", "part", "curve", "kind", *places, "value")
         with (
             atomic_output(path, overwrite) as temporary,
             temporary.open("w", encoding="utf-8", newline="") as file,

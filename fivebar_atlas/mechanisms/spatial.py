@@ -60,7 +60,7 @@ class Limb:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Frame:
-    """Axes of coordinates: notations of the origin and the axes, origin (3,), directions as rows."""
+    """Axes of coordinates: notations of origin and axes, origin (3,), directions as rows."""
 
     symbol: str
     axes: tuple[str, str, str]

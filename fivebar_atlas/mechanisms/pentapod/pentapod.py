@@ -90,7 +90,7 @@ class Pentapod(SpatialDesign):
     >>> from fivebar_atlas import Pentapod
     >>> robot = Pentapod.from_radii(459.1, 400.0, 100.0, unit="mm")
     >>> robot.inverse_displacement(robot.home).lengths.round(1).tolist()
-    [562.1, 587.5, 592.7, 531.8, 549.4]
+    [562.2, 586.9, 569.4, 556.3, 549.3]
     """
 
     geometry: PentapodGeometry
@@ -181,7 +181,7 @@ class Pentapod(SpatialDesign):
         return self.geometry.platform_radius if self.radii is None else self.radii[1]
 
     def inverse_displacement(self, poses: npt.ArrayLike) -> Limbs:
-        """Return lengths and directions of the limbs; see :func:`kinematics.inverse_displacement`."""
+        """Return lengths and directions of the limbs (Eqs. 3-5)."""
         return inverse_displacement(self.geometry, poses)
 
     def forward_displacement(
@@ -394,7 +394,7 @@ class Pentapod(SpatialDesign):
         home = self._home_limbs
         # n_i in platform axes
         inner = found.directions @ rotations
-        bends = [
+        bends: list[FloatArray] = [
             np.sum(directions * home.directions, axis=-1) - _cosine(limit)
             for directions, limit in (
                 (found.directions, given.base_joint_limit),
@@ -418,7 +418,8 @@ class Pentapod(SpatialDesign):
                 axis=-1,
             ),
         ]
-        return np.concatenate(parts, axis=-1)
+        slacks: FloatArray = np.concatenate(parts, axis=-1)
+        return slacks
 
     def _determinant(self, poses: FloatArray) -> FloatArray:
         """Return det G with L, shape (...)."""
