@@ -127,6 +127,9 @@ def trajectory(
     from fivebar_atlas.trajectories.trajectory_file import write_table, write_trajectory
 
     solved = solve_motion(file, settings)
+    for each in outputs:
+        for source in solved.inputs:
+            check_is_no_input(each, source)
     drawn = None
     if figure is not None:
         from fivebar_atlas.figures.plotted_data import PlottedData

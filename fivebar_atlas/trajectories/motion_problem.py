@@ -58,6 +58,8 @@ class Trajectory:
         Their units.
     configuration
         The motion file with what was set besides, as TOML.
+    inputs
+        The files that were read.
     """
 
     mechanism: Mechanism
@@ -66,6 +68,7 @@ class Trajectory:
     errors: Mapping[str, float]
     error_units: Mapping[str, str]
     configuration: str
+    inputs: tuple[Path, ...]
 
 
 def solve_motion(
@@ -102,6 +105,7 @@ def solve_motion(
         reader.errors,
         reader.error_units,
         motion_file.rendered(values),
+        reader.inputs,
     )
 
 
@@ -139,6 +143,11 @@ class _Reader:
             if value is not None and not value > 0.0:
                 raise InputError(self._key(f"motion.{name}"), value, "a number above 0")
         self._at: Callable[[FloatArray], Motion]
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """The files that were read."""
+        return (self._path,) if self._table is None else (self._path, self._table.path)
 
     def motion(self) -> Motion:
         """Return the motion at its samples."""
