@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
-from motions import PLAIN, smooth_poses, write_poses
+from motions import EXAMPLE, PLAIN, ROOT, smooth_poses, write_poses
 
 from fivebar_atlas.errors import (
     FileUsageError,
@@ -20,6 +22,7 @@ from fivebar_atlas.errors import (
 from fivebar_atlas.trajectories import motion_file, smooth_functions
 from fivebar_atlas.trajectories.motion_problem import solve_motion
 from fivebar_atlas.trajectories.sampled_functions import FEWEST, through_samples
+from fivebar_atlas.trajectories.trajectory_file import write_trajectory
 
 MACHINE: dict[str, Any] = {"geometry.r_a": 400.0, "geometry.r_b": 100.0}
 
@@ -342,3 +345,54 @@ def test_table_and_functions_exclude_each_other(tmp_path: Path) -> None:
     columns["Fx_kN"] = columns.pop("Fx")
     with pytest.raises(FileUsageError, match="has the column Fx_kN; expected Fx or Fx_N"):
         solve_motion(write_poses(tmp_path / "other.csv", columns), MACHINE)
+
+
+PAGE = (ROOT / "docs" / "trajectory.md").read_text(encoding="utf-8")
+
+
+def rows_of(heading: str) -> list[list[str]]:
+    """Return the cells of a table of the page, by the first cell of its header."""
+    lines = PAGE.split(f"| {heading} |", 1)[1].split("\n")[2:]
+    cells = []
+    for line in lines:
+        if not line.startswith("|"):
+            break
+        cells.append([cell.strip() for cell in line.strip("|").split("|")])
+    return cells
+
+
+def test_page_lists_every_key_and_only_those() -> None:
+    keys = set()
+    for name, field in motion_file.MotionFile.model_fields.items():
+        inner = getattr(field.annotation, "model_fields", None)
+        keys |= {name} if inner is None else {f"{name}.{key}" for key in inner}
+    assert {row[0].strip("`") for row in rows_of("key")} == keys
+
+
+def test_example_of_the_page_can_be_solved(tmp_path: Path) -> None:
+    (text,) = re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+    file = tmp_path / "motion.toml"
+    file.write_text(text, encoding="utf-8")
+    solution = solve_motion(file).solution
+    assert len(solution.times) == 401
+    np.testing.assert_allclose(solution["Tz"], 10.0 + 2.0 * solution.times)
+
+
+def test_page_lists_every_dataset_and_attribute(tmp_path: Path) -> None:
+    solved = solve_motion(EXAMPLE)
+    write_trajectory(solved, tmp_path / "motion.h5")
+    described = {
+        name.strip("` "): unit for names, unit, _ in rows_of("dataset") for name in names.split(",")
+    }
+    with h5py.File(tmp_path / "motion.h5") as file:
+        assert {name: each.attrs["units"] for name, each in file.items()} == described
+        assert {row[0].strip("`") for row in rows_of("attribute of the root")} == set(file.attrs)
+
+
+def test_page_gives_the_limb_lengths_of_the_example() -> None:
+    solution = solve_motion(EXAMPLE).solution
+    rows = rows_of("| printed")
+    assert len(rows) == 5
+    for limb, (_, _, shown) in enumerate(rows, start=1):
+        values = solution[f"l{limb}"]
+        assert shown == f"{values.min():.1f} to {values.max():.1f}"
