@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 import pytest
 from motions import EXAMPLE, PLAIN, ROOT, smooth_poses, write_poses
+from scipy.interpolate import PPoly
 
 from fivebar_atlas.errors import (
     FileUsageError,
@@ -52,6 +53,17 @@ def test_stops_have_the_least_jerk_and_their_extremes_at_the_points() -> None:
         np.testing.assert_allclose(function([0.0, 2.0, 3.0], order), 0.0, atol=1e-12)
     values = function(np.linspace(0.0, 3.0, 3001))
     assert values.max() == pytest.approx(5.0, abs=1e-12)
+
+
+def test_piecewise_polynomials_are_those_of_scipy() -> None:
+    random = np.random.default_rng(11)
+    breaks = np.concatenate([[0.0], np.cumsum(random.uniform(0.2, 2.0, 6))])
+    table = random.normal(size=(5, 6))
+    ours = smooth_functions.PiecewisePolynomial(breaks, table)
+    theirs = PPoly(table, breaks)
+    times = np.concatenate([breaks, np.linspace(-0.5, breaks[-1] + 0.5, 101)])
+    for order in range(6):
+        np.testing.assert_allclose(ours(times, order), theirs(times, order), rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("degree", smooth_functions.DEGREES)

@@ -290,7 +290,9 @@ class _Reader:
         self._at = at
         return sampled_times(section.duration, samples)
 
-    def _function(self, value: object, key: str, duration: float, unit: str, smooth: bool) -> Any:
+    def _function(
+        self, value: object, key: str, duration: float, unit: str, smooth: bool
+    ) -> smooth_functions.PiecewisePolynomial:
         """Return a function of a file as a piecewise polynomial."""
         table = motion_file.checked_function(value, key, self._source)
         try:
