@@ -65,6 +65,14 @@ def test_summary_has_ranges_with_units_and_what_is_worst(example: Trajectory) ->
     assert f"largest active force   {expected}" in result.output
 
 
+def test_motion_in_the_help_can_be_solved(tmp_path: Path) -> None:
+    text = run("trajectory", "--help").output
+    block = text[text.index("  [geometry]") : text.index("  POSES.csv")]
+    file = tmp_path / "motion.toml"
+    file.write_text(block, encoding="utf-8")
+    assert len(solve_motion(file).solution.times) == 401
+
+
 def test_json_and_lines_say_the_same(plain: Path, example: Trajectory) -> None:
     document = json.loads(run("trajectory", str(EXAMPLE), "--json").output)
     quantities = {each["name"]: each for each in document["quantities"]}
