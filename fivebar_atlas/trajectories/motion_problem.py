@@ -131,9 +131,9 @@ class _Reader:
                 file.geometry, length, self._units, lambda key: self._key(f"geometry.{key}")
             )
         except InputError as error:
-            if error.name != "mechanism":
+            if error.name not in MotionFile.model_fields:
                 raise
-            raise error.renamed(self._key("mechanism"), error.value) from None
+            raise error.renamed(self._key(error.name), error.value) from None
         self._names = [each.name for each in self.solver.coordinates]
         solve = file.motion.solve
         if solve is not None and solve not in self._names:
@@ -257,7 +257,7 @@ class _Reader:
         if section.duration is None:
             expected = "how long the motion lasts; or motion.file, a table of poses"
             raise MissingInputError(self._key("motion.duration"), expected)
-        if not section.duration > 0.0:
+        if not section.duration >= 1.0 / motion_file.GREATEST:
             raise InputError(self._key("motion.duration"), section.duration, "a time above 0")
         samples = DEFAULT if section.samples is None else section.samples
         if not FEWEST <= samples <= MOST:
@@ -339,8 +339,16 @@ class _Reader:
         if len(table.rows) == 1:
             raise FileUsageError(path, "has no poses below its header")
         numbers = table.numbers(places)
+        large = np.argwhere(np.abs(numbers) > motion_file.GREATEST)
+        if len(large):
+            row, column = (int(part) for part in large[0])
+            raise FileUsageError(
+                path,
+                f"row {row + 1} (line {table.rows[row + 1][0]}), column "
+                f"{table.header[places[column]]}: {numbers[row, column]:g} is too large",
+            )
         times = np.ascontiguousarray(numbers[:, 0])
-        back = np.flatnonzero(np.diff(times) <= 0.0)
+        back = np.flatnonzero(np.diff(times) < 1.0 / motion_file.GREATEST)
         if len(back):
             row = int(back[0]) + 2
             raise FileUsageError(
