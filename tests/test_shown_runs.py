@@ -27,7 +27,9 @@ def same(shown: str, printed: str) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("page", "count"), [("optimum", 7), ("square", 3), ("machines", 1)])
+@pytest.mark.parametrize(
+    ("page", "count"), [("optimum", 7), ("square", 3), ("machines", 1), ("trajectory", 1)]
+)
 def test_runs_print_what_is_shown(
     page: str, count: int, atlas: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -80,7 +80,7 @@ def trajectory(
     as_json: bool,
     overwrite: bool,
 ) -> None:
-    r"""Solve a motion: limb lengths, velocities, accelerations, forces.
+    """Solve a motion: limb lengths, velocities, accelerations, forces.
 
     MOTION.toml has the geometry, the motion as functions of time (polynomials, splines through
     points, stops) or the name of a table of poses, the load, and limits. One coordinate may be
@@ -110,7 +110,7 @@ def trajectory(
     Printed are the range of every quantity, the largest force and the least LCI, and when.
     Positive forces push the platform. A motion that breaks the constraint of a limb, goes through
     a singular pose, exceeds a limit or has no accelerations is refused, with when and by how much.
-    """
+    """  # noqa: D301
     from fivebar_atlas.output_file import check_is_no_input, check_output, checked_ending
 
     if figure is None and (panels or data or title or width):
@@ -127,6 +127,9 @@ def trajectory(
     from fivebar_atlas.trajectories.trajectory_file import write_table, write_trajectory
 
     solved = solve_motion(file, settings)
+    for each in outputs:
+        for source in solved.inputs:
+            check_is_no_input(each, source)
     drawn = None
     if figure is not None:
         from fivebar_atlas.figures.plotted_data import PlottedData

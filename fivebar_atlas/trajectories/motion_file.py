@@ -6,6 +6,7 @@ names of coordinates, are looked at by :mod:`fivebar_atlas.trajectories.motion_p
 
 from __future__ import annotations
 
+import math
 import os
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -23,6 +24,9 @@ from fivebar_atlas.errors import (
 )
 
 _STRICT = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+#: Numbers farther from 0 than this are mistakes; squares of what is made of them are still numbers.
+GREATEST = 1e30
 
 # What a value of the wrong type should have been, by pydantic's name of the fault.
 _EXPECTED = {
@@ -190,6 +194,7 @@ def read_motion_file(
         raise FileUsageError(path, "is neither a .toml file of a motion nor a .csv file of poses")
     for key, value in settings.items():
         _set(values, key, value)
+    _check_sizes(values, "", str(path))
     return checked_table(MotionFile, values, "", str(path)), values
 
 
@@ -280,6 +285,16 @@ def _toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise FileUsageError(path, f"is not TOML: {error}") from None
+
+
+def _check_sizes(value: object, key: str, source: str) -> None:
+    """Raise InputError at the first number, however deep, that is too large to compute with."""
+    if isinstance(value, dict | list):
+        inner = value.items() if isinstance(value, dict) else enumerate(value)
+        for name, each in inner:
+            _check_sizes(each, f"{key}.{name}" if key else str(name), source)
+    elif isinstance(value, int | float) and GREATEST < abs(value) < math.inf:
+        raise InputError(key_in(key, source), value, f"a number up to {GREATEST:g} in size")
 
 
 def _set(values: dict[str, Any], key: str, value: object) -> None:

@@ -58,6 +58,8 @@ class Trajectory:
         Their units.
     configuration
         The motion file with what was set besides, as TOML.
+    inputs
+        The files that were read.
     """
 
     mechanism: Mechanism
@@ -66,6 +68,7 @@ class Trajectory:
     errors: Mapping[str, float]
     error_units: Mapping[str, str]
     configuration: str
+    inputs: tuple[Path, ...]
 
 
 def solve_motion(
@@ -102,6 +105,7 @@ def solve_motion(
         reader.errors,
         reader.error_units,
         motion_file.rendered(values),
+        reader.inputs,
     )
 
 
@@ -127,9 +131,9 @@ class _Reader:
                 file.geometry, length, self._units, lambda key: self._key(f"geometry.{key}")
             )
         except InputError as error:
-            if error.name != "mechanism":
+            if error.name not in MotionFile.model_fields:
                 raise
-            raise error.renamed(self._key("mechanism"), error.value) from None
+            raise error.renamed(self._key(error.name), error.value) from None
         self._names = [each.name for each in self.solver.coordinates]
         solve = file.motion.solve
         if solve is not None and solve not in self._names:
@@ -139,6 +143,11 @@ class _Reader:
             if value is not None and not value > 0.0:
                 raise InputError(self._key(f"motion.{name}"), value, "a number above 0")
         self._at: Callable[[FloatArray], Motion]
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """The files that were read."""
+        return (self._path,) if self._table is None else (self._path, self._table.path)
 
     def motion(self) -> Motion:
         """Return the motion at its samples."""
@@ -248,7 +257,7 @@ class _Reader:
         if section.duration is None:
             expected = "how long the motion lasts; or motion.file, a table of poses"
             raise MissingInputError(self._key("motion.duration"), expected)
-        if not section.duration > 0.0:
+        if not section.duration >= 1.0 / motion_file.GREATEST:
             raise InputError(self._key("motion.duration"), section.duration, "a time above 0")
         samples = DEFAULT if section.samples is None else section.samples
         if not FEWEST <= samples <= MOST:
@@ -281,7 +290,9 @@ class _Reader:
         self._at = at
         return sampled_times(section.duration, samples)
 
-    def _function(self, value: object, key: str, duration: float, unit: str, smooth: bool) -> Any:
+    def _function(
+        self, value: object, key: str, duration: float, unit: str, smooth: bool
+    ) -> smooth_functions.PiecewisePolynomial:
         """Return a function of a file as a piecewise polynomial."""
         table = motion_file.checked_function(value, key, self._source)
         try:
@@ -328,8 +339,16 @@ class _Reader:
         if len(table.rows) == 1:
             raise FileUsageError(path, "has no poses below its header")
         numbers = table.numbers(places)
+        large = np.argwhere(np.abs(numbers) > motion_file.GREATEST)
+        if len(large):
+            row, column = (int(part) for part in large[0])
+            raise FileUsageError(
+                path,
+                f"row {row + 1} (line {table.rows[row + 1][0]}), column "
+                f"{table.header[places[column]]}: {numbers[row, column]:g} is too large",
+            )
         times = np.ascontiguousarray(numbers[:, 0])
-        back = np.flatnonzero(np.diff(times) <= 0.0)
+        back = np.flatnonzero(np.diff(times) < 1.0 / motion_file.GREATEST)
         if len(back):
             row = int(back[0]) + 2
             raise FileUsageError(

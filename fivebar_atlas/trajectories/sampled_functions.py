@@ -7,12 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
-from scipy.interpolate import make_interp_spline
 
 from fivebar_atlas.errors import MotionError
-
-FloatArray = npt.NDArray[np.float64]
+from fivebar_atlas.mechanisms.arrays import FloatArray
 
 #: Fewest samples: every other one must still make a quintic spline.
 FEWEST = 12
@@ -68,6 +65,9 @@ def through_samples(
         If there are too few samples, or they do not determine accelerations to the tolerance: a
         jump, a kink, too few digits or too long steps.
     """
+    # Imported where it is needed: motions by functions do not wait for it.
+    from scipy.interpolate import make_interp_spline
+
     if len(times) < FEWEST:
         raise MotionError(
             f"the motion is too short: it has {len(times)} samples, and accelerations need at "

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
-from scipy.interpolate import BPoly, CubicSpline, PPoly, make_interp_spline
 
 from fivebar_atlas.errors import InputError, MotionError
-
-FloatArray = npt.NDArray[np.float64]
+from fivebar_atlas.mechanisms.arrays import FloatArray
 
 #: What a spline does at its ends: nothing more than that its outermost pieces are one polynomial;
 #: its highest derivatives are 0; or it is at rest.
@@ -26,17 +24,57 @@ _ROUNDING, _FLOOR = 1e-7, 1e-9
 _ORDERS = ("value", "velocity", "acceleration")
 
 
-def constant(value: float, duration: float) -> Any:
+@dataclasses.dataclass(frozen=True, eq=False)
+class PiecewisePolynomial:
+    """A function of time, a polynomial from each break to the next.
+
+    Attributes
+    ----------
+    breaks
+        Rising, shape (pieces + 1,). Beyond the first and the last the outermost pieces go on.
+    coefficients
+        Of the powers of t - t_k, the highest first, shape (degree + 1, pieces).
+    """
+
+    breaks: FloatArray
+    coefficients: FloatArray
+
+    @property
+    def degree(self) -> int:
+        """Degree of the pieces."""
+        return len(self.coefficients) - 1
+
+    def __call__(self, times: FloatArray | Sequence[float], order: int = 0) -> FloatArray:
+        """Return the function, or a derivative of it; at a break that of the piece after it."""
+        moments = np.asarray(times, dtype=np.float64)
+        piece = np.searchsorted(self.breaks[1:-1], moments, side="right")
+        rows = self.derivative(order)[:, piece]
+        steps = moments - self.breaks[piece]
+        values = np.zeros_like(moments)
+        for row in rows:
+            values = values * steps + row
+        return values
+
+    def derivative(self, order: int) -> FloatArray:
+        """Return the coefficients of a derivative, shape (degree + 1 - order, pieces)."""
+        powers = range(self.degree, order - 1, -1)
+        factors = np.array([math.perm(power, order) for power in powers], dtype=np.float64)
+        kept: FloatArray = self.coefficients[: len(factors)] * factors[:, None]
+        return kept
+
+
+def constant(value: float, duration: float) -> PiecewisePolynomial:
     """Return a function that is the same all the time."""
-    return PPoly(np.array([[value]]), np.array([0.0, duration]))
+    return polynomial([value], duration)
 
 
-def polynomial(coefficients: Sequence[float], duration: float) -> Any:
+def polynomial(coefficients: Sequence[float], duration: float) -> PiecewisePolynomial:
     """Return c0 + c1 t + c2 t² + ... from its coefficients."""
-    return PPoly(np.array(coefficients, dtype=np.float64)[::-1, None], np.array([0.0, duration]))
+    column = np.array(coefficients, dtype=np.float64)[::-1, None]
+    return PiecewisePolynomial(np.array([0.0, duration]), column)
 
 
-def pieces(breaks: Sequence[float], coefficients: Sequence[Sequence[float]]) -> Any:
+def pieces(breaks: Sequence[float], coefficients: Sequence[Sequence[float]]) -> PiecewisePolynomial:
     """Return a function that is c0 + c1 (t - t_k) + ... from each break t_k to the next.
 
     Raises
@@ -54,10 +92,10 @@ def pieces(breaks: Sequence[float], coefficients: Sequence[Sequence[float]]) -> 
     table = np.zeros((order, len(coefficients)))
     for number, each in enumerate(coefficients):
         table[order - len(each) :, number] = each[::-1]
-    return PPoly(table, places)
+    return PiecewisePolynomial(places, table)
 
 
-def stops(times: Sequence[float], values: Sequence[float]) -> Any:
+def stops(times: Sequence[float], values: Sequence[float]) -> PiecewisePolynomial:
     """Return a function that comes to rest at each point, with the least jerk between two.
 
     Between two points it rises or falls all the way: its extremes are at the points.
@@ -68,14 +106,18 @@ def stops(times: Sequence[float], values: Sequence[float]) -> Any:
         If times do not rise, or there are not as many values.
     """
     places = rising("times", times, 2)
-    heights = np.zeros((len(places), 3))
-    heights[:, 0] = _as_many(values, places)
-    return PPoly.from_bernstein_basis(BPoly.from_derivatives(places, heights))
+    heights = _as_many(values, places)
+    widths, steps = np.diff(places), np.diff(heights)
+    table = np.zeros((6, len(widths)))
+    for row, factor in enumerate((6.0, -15.0, 10.0)):  # of the powers 5, 4 and 3
+        table[row] = factor * steps / widths ** (5 - row)
+    table[5] = heights[:-1]
+    return PiecewisePolynomial(places, table)
 
 
 def spline(
     times: Sequence[float], values: Sequence[float], degree: int = 5, ends: Ends = "clamped"
-) -> Any:
+) -> PiecewisePolynomial:
     """Return the spline through points.
 
     Parameters
@@ -98,8 +140,12 @@ def spline(
         raise InputError("degree", degree, allowed)
     places = rising("times", times, degree + 1 if ends == "not-a-knot" or degree < 3 else 2)
     heights = _as_many(values, places)
+    # Imported where it is needed: motions without splines do not wait for it.
+    from scipy.interpolate import CubicSpline, PPoly, make_interp_spline
+
     if degree == 3:
-        return CubicSpline(places, heights, bc_type=ends)
+        cubic = CubicSpline(places, heights, bc_type=ends)
+        return PiecewisePolynomial(cubic.x, cubic.c)
     conditions: Any = None
     if degree == 5 and ends != "not-a-knot":
         orders = (1, 2) if ends == "clamped" else (3, 4)
@@ -108,7 +154,8 @@ def spline(
     found = PPoly.from_spline(make_interp_spline(places, heights, k=degree, bc_type=conditions))
     # the knots at the ends are there several times, with nothing between them
     wide = np.diff(found.x) > 0.0
-    return PPoly(found.c[:, wide], np.append(found.x[:-1][wide], found.x[-1]))
+    breaks = np.append(found.x[:-1][wide], found.x[-1])
+    return PiecewisePolynomial(breaks, np.ascontiguousarray(found.c[:, wide]))
 
 
 def rising(name: str, values: Sequence[float], least: int) -> FloatArray:
@@ -137,9 +184,9 @@ def _as_many(values: Sequence[float], places: FloatArray) -> FloatArray:
     return np.array(values, dtype=np.float64)
 
 
-def check_covers(name: str, function: Any, duration: float) -> None:
+def check_covers(name: str, function: PiecewisePolynomial, duration: float) -> None:
     """Raise InputError unless a function is given from 0 to the duration."""
-    first, last = float(function.x[0]), float(function.x[-1])
+    first, last = float(function.breaks[0]), float(function.breaks[-1])
     slack = _FLOOR * duration
     if first > slack or last < duration - slack:
         raise InputError(
@@ -147,7 +194,9 @@ def check_covers(name: str, function: Any, duration: float) -> None:
         )
 
 
-def check_smooth(name: str, function: Any, duration: float, unit: str, time_unit: str) -> None:
+def check_smooth(
+    name: str, function: PiecewisePolynomial, duration: float, unit: str, time_unit: str
+) -> None:
     """Refuse a function whose second derivative does not exist or jumps.
 
     Parameters
@@ -155,7 +204,7 @@ def check_smooth(name: str, function: Any, duration: float, unit: str, time_unit
     name
         What it is a function for.
     function
-        A piecewise polynomial.
+        The function.
     duration
         Only what is before it is looked at.
     unit, time_unit
@@ -167,26 +216,20 @@ def check_smooth(name: str, function: Any, duration: float, unit: str, time_unit
         If there is a jump of the value, the velocity or the acceleration; it says where, and how
         large.
     """
-    inner = (function.x[1:-1] > 0.0) & (function.x[1:-1] < duration)
-    places = function.x[1:-1][inner]
+    breaks = function.breaks
+    inner = np.flatnonzero((breaks > 0.0) & (breaks < duration))
+    inner = inner[(inner > 0) & (inner < len(breaks) - 1)]
+    places = breaks[inner]
     if not len(places):
         return
-    widths = np.diff(function.x)
-    before, after = function.c[:, :-1][:, inner], function.c[:, 1:][:, inner]
-    steps = widths[:-1][inner]
-    shortest = float(widths.min())
-    size = max(float(np.abs(function(function.x)).max()), 0.0)
-    degree = len(function.c) - 1
+    widths = np.diff(breaks)
+    steps, shortest = widths[inner - 1], float(widths.min())
+    size = float(np.abs(function(breaks)).max())
     for order, what in enumerate(_ORDERS):
-        left = np.zeros(len(places))
-        for power in range(degree, order - 1, -1):
-            row = degree - power
-            left = left * steps + before[row] * math.perm(power, order)
-        right = (
-            after[degree - order] * math.factorial(order)
-            if order <= degree
-            else np.zeros(len(places))
-        )
+        left, right = np.zeros(len(places)), np.zeros(len(places))
+        for row in function.derivative(order):
+            left = left * steps + row[inner - 1]
+            right = row[inner]  # of the power 0 at last
         jumps = np.abs(right - left)
         scale = max(float(np.abs(left).max()), float(np.abs(right).max()))
         allowed = _ROUNDING * scale + _FLOOR * size / shortest**order

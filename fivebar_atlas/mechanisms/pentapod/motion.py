@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fivebar_atlas.errors import MotionError
+from fivebar_atlas.errors import InputError, MotionError
 from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray
 from fivebar_atlas.mechanisms.motions import (
     Column,
@@ -81,6 +81,8 @@ _SHORT = 1e-13
 # A coordinate is not determined where the constraint's derivative by it is a smaller share of
 # what it can be.
 _LEVEL = 1e-9
+# Characteristic lengths farther from that of the platform than this factor say nothing.
+_FARTHEST_LENGTH = 1e6
 # The least LCI between samples is closed in on: places a round, and rounds.
 _PLACES, _ROUNDS = 41, 3
 _BISECTIONS = 60
@@ -107,6 +109,11 @@ class PentapodMotionSolver:
         L, for LCI and least singular value.
     units
         Names of the units.
+
+    Raises
+    ------
+    InputError
+        If L is a million times larger or smaller than the platform.
     """
 
     coordinates = tuple(
@@ -120,6 +127,11 @@ class PentapodMotionSolver:
     def __init__(
         self, geometry: PentapodGeometry, characteristic_length: float, units: Units
     ) -> None:
+        radius = geometry.platform_radius
+        least, greatest = radius / _FARTHEST_LENGTH, radius * _FARTHEST_LENGTH
+        if not least <= characteristic_length <= greatest:
+            allowed = f"a length from {least:g} to {greatest:g}"
+            raise InputError("characteristic_length", characteristic_length, allowed)
         self.geometry = geometry
         self.characteristic_length = characteristic_length
         self.units = units
