@@ -6,7 +6,8 @@ are set where they are drawn.
 
 from __future__ import annotations
 
-#: Colours as ``"#rrggbb"`` by the kind of :class:`planar_geometry.NamedArc`.
+#: Colours as ``"#rrggbb"`` by the kind of :class:`planar_geometry.NamedArc`, and by that of a limit
+#: of a workspace in space.
 CURVE_COLOURS = {
     "serial": "#0072b2",
     "parallel, folded": "#d55e00",
@@ -14,4 +15,12 @@ CURVE_COLOURS = {
     "parallel": "#d55e00",
     "limit": "#5c5c5c",
     "level": "#d0006f",
+    "longest limb": "#0072b2",
+    "shortest limb": "#56b4e9",
+    "base joint": "#b87700",
+    "platform joint": "#007a5a",
+    "range of α": "#7d4fa3",
+    "revolute joint": "#111111",
+    "singular": "#d55e00",
+    "base plane": "#8c8c8c",
 }

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+from typing import Any
 
 import numpy as np
 
@@ -184,7 +185,8 @@ def surface_of(design: SpatialDesign, orientation: Orientation = (0.0, 0.0)) -> 
     for axis, end in itertools.product(range(3), (0, -1)):
         side = np.moveaxis(slack, axis, 0)[end]
         np.minimum(side, -1e-9, out=side)
-    found, faces, _, _ = marching_cubes(slack, 0.0, gradient_direction="ascent")
+    find: Any = marching_cubes  # has no types
+    found, faces, _, _ = find(slack, 0.0, gradient_direction="ascent")
     vertices = _closed_in(design, orientation, grid, slack, found.astype(np.float64))
     faces = faces.astype(np.int64)
     corners = vertices[faces]
@@ -209,7 +211,7 @@ def _closed_in(
     low, high = np.floor(places).astype(np.int64), np.ceil(places).astype(np.int64)
     one, other = grid[tuple(low.T)], grid[tuple(high.T)]
     at_one, at_other = slack[tuple(low.T)], slack[tuple(high.T)]
-    found = one + (places - low) * (other - one)
+    found: FloatArray = one + (places - low) * (other - one)
     for _ in range(_CLOSINGS):
         gap = at_one - at_other
         share = np.where(gap == 0.0, 0.0, at_one / np.where(gap == 0.0, 1.0, gap))

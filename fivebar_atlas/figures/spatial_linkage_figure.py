@@ -35,6 +35,7 @@ _ROD, _CYLINDER_WIDTH, _JOINT, _EDGE = 1.6, 3.4, 4.2, 0.7
 _HEAD, _TEXT_ROOM = 1.7, 1.1
 _BASE = {"facecolor": "#ececec", "edgecolor": style.FAINT, "linewidth": 0.7}
 _PLATFORM = {"facecolor": style.WORKSPACE, "edgecolor": style.INK, "linewidth": 1.0, "alpha": 0.85}
+_PLATFORM_LEVEL = LINKAGE_LEVEL + 0.3
 # Digits of coordinates and lengths.
 _DIGITS = 5
 
@@ -95,21 +96,28 @@ def spatial_linkage_figure(
             width,
             key_rows_height(rows, width),
         )
-        lines = [_draw_body(frame, view, pose, pose.base, "base", FILL_LEVEL, _BASE, data)]
-        for origin, tip, _ in arrows[:3]:
-            lines.append(_draw_arrow(frame, view, origin.origin, tip, LINKAGE_LEVEL - 0.3))
-        lines += _draw_limbs(frame, view, pose, data)
-        above = LINKAGE_LEVEL + 0.3
-        lines.append(
-            _draw_body(frame, view, pose, pose.platform, "platform", above, _PLATFORM, data)
-        )
-        for origin, tip, _ in arrows[3:]:
-            lines.append(_draw_arrow(frame, view, origin.origin, tip, above + 0.1))
+        levels = (LINKAGE_LEVEL - 0.3, _PLATFORM_LEVEL + 0.1)
+        lines = [
+            _draw_arrow(frame, view, origin.origin, tip, levels[number >= 3])
+            for number, (origin, tip, _) in enumerate(arrows)
+        ]
+        lines += draw_mechanism(frame, view, pose, data)
         axis_end = _draw_joint_axis(frame, view, pose, extent, data)
-        _draw_joints(frame, view, pose, above + 0.2, data)
         _write_labels(frame, view, pose, arrows, axis_end, lines)
         draw_key_rows(frame, rows)
         return frame.figure
+
+
+def draw_mechanism(
+    frame: PlaneFrame, view: ObliqueView, pose: SpatialPose, data: PlottedData | None = None
+) -> list[FloatArray]:
+    """Draw bodies, limbs and joints; return their lines on paper, shape (n, 2) each."""
+    base = _draw_body(frame, view, pose, pose.base, "base", FILL_LEVEL, _BASE, data)
+    limbs = _draw_limbs(frame, view, pose, data)
+    level = _PLATFORM_LEVEL
+    platform = _draw_body(frame, view, pose, pose.platform, "platform", level, _PLATFORM, data)
+    _draw_joints(frame, view, pose, _PLATFORM_LEVEL + 0.2, data)
+    return [base, *limbs, platform]
 
 
 def title_of(design: SpatialDesign, subject: str) -> str:

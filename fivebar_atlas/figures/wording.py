@@ -13,6 +13,14 @@ def number_text(value: float, digits: int = 6) -> str:
     return f"{value + 0.0:.{digits}g}".replace("-", MINUS)
 
 
+def scientific_text(value: float, digits: int = 5) -> str:
+    """Return a number with at most so many digits, one from a million as mathtext with a power."""
+    if abs(value) < 1e6:
+        return number_text(float(f"{value:.{digits}g}"), 7)
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return rf"${mantissa.rstrip('0').rstrip('.')} \times 10^{{{int(exponent)}}}$"
+
+
 def mode_text(mode: str) -> str:
     """Return a mode pair or working mode as it is written in a title."""
     return f"mode{_NO_BREAK}{mode.replace('-', MINUS)}"

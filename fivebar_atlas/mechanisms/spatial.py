@@ -109,7 +109,7 @@ class SpatialPose:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Limit:
-    """What can bound a workspace: name, ``"longest l_3"``, notation as mathtext, and kind."""
+    """What can bound a workspace: name, ``"longest l_3"``, notation of what it is of, and kind."""
 
     name: str
     symbol: str

@@ -47,16 +47,18 @@ _SINGULAR = 1e-12
 _SYMBOLS = ("$X$", "$Y$", "$Z$", r"$\alpha$", r"$\beta$", r"$\gamma$")
 _LIMB_NUMBERS = tuple(range(1, LIMBS + 1))
 _LIMITS = (
-    *(Limit(f"longest l_{i}", rf"$l_{i}$ longest", "longest limb") for i in _LIMB_NUMBERS),
-    *(Limit(f"shortest l_{i}", rf"$l_{i}$ shortest", "shortest limb") for i in _LIMB_NUMBERS),
-    *(Limit(f"joint A_{i}", f"joint $A_{i}$", "base joint") for i in _LIMB_NUMBERS),
-    *(Limit(f"joint B_{i}", f"joint $B_{i}$", "platform joint") for i in _LIMB_NUMBERS),
-    Limit("greatest alpha", r"greatest $\alpha$", "alpha"),
-    Limit("least alpha", r"least $\alpha$", "alpha"),
-    Limit("constraint", "revolute joint", "constraint"),
+    *(Limit(f"longest l_{i}", rf"$l_{{{i},\max}}$", "longest limb") for i in _LIMB_NUMBERS),
+    *(Limit(f"shortest l_{i}", rf"$l_{{{i},\min}}$", "shortest limb") for i in _LIMB_NUMBERS),
+    *(Limit(f"joint A_{i}", f"$A_{i}$", "base joint") for i in _LIMB_NUMBERS),
+    *(Limit(f"joint B_{i}", f"$B_{i}$", "platform joint") for i in _LIMB_NUMBERS),
+    Limit("greatest alpha", r"$\alpha_{\max}$", "range of α"),
+    Limit("least alpha", r"$\alpha_{\min}$", "range of α"),
+    Limit("revolute joint", "$n_6$", "revolute joint"),
     Limit("singular", r"$\det G = 0$", "singular"),
     Limit("base plane", "$Z = 0$", "base plane"),
 )
+
+_REVOLUTE_JOINT = [limit.name for limit in _LIMITS].index("revolute joint")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -340,7 +342,7 @@ class Pentapod(SpatialDesign):
         poses[..., 4:] = orientation
         turned, room = self._with_alpha(poses)
         slacks = self._slacks(turned)
-        slacks[..., -3] = room / self.home_height
+        slacks[..., _REVOLUTE_JOINT] = room / self.home_height
         return slacks
 
     def reach(self) -> tuple[FloatArray, FloatArray]:
@@ -378,7 +380,7 @@ class Pentapod(SpatialDesign):
         here, quarter, half = at(0.0), at(0.5 * math.pi), at(math.pi)
         middle = 0.5 * (here + half)
         cosine, sine = 0.5 * (here - half), quarter - middle
-        amplitude = np.hypot(cosine, sine)
+        amplitude: FloatArray = np.hypot(cosine, sine)
         share = -middle / np.where(amplitude > 0.0, amplitude, 1.0)
         # the derivative is -amplitude sin(α - phase): its sign tells the branch
         turn = -self._home_slope * np.arccos(np.clip(share, -1.0, 1.0))
