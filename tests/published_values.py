@@ -18,6 +18,8 @@ import numpy.typing as npt
 import yaml
 
 from fivebar_atlas import FiveBar, mechanisms
+from fivebar_atlas.mechanisms.pentapod import geometry, kinematics, statics
+from fivebar_atlas.mechanisms.pentapod.geometry import PentapodGeometry
 from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.synthesis.containment import ActuatorRange
 from fivebar_atlas.synthesis.largest_square import SquareTask, unit_design
@@ -287,6 +289,59 @@ def _in_the_square(
     return value
 
 
+def _pentapod_mobility(*, pentapod_mobility: str, mode: str) -> float:  # noqa: ARG001
+    return geometry.mobility()
+
+
+def _start_height(
+    *,
+    start_height: int,
+    radii: list[float],
+    limb_length: float,
+    mode: str,  # noqa: ARG001
+) -> float:
+    """Return the height of the platform at which a limb has a length, with parallel axes."""
+    pose = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    limbs = kinematics.inverse_displacement(PentapodGeometry.from_radii(*radii), pose)
+    # the limb is this far out, and 1 high in this pose
+    out = limbs.lengths[start_height - 1] ** 2 - 1.0
+    return math.sqrt(limb_length**2 - out)
+
+
+def _force_ratio(
+    *,
+    force_ratio: float,
+    height: float,
+    radii: list[float],
+    mode: str,  # noqa: ARG001
+) -> float:
+    """Return the largest active force at a Y over that on the Z axis, for the printed wrench."""
+    pentapod = PentapodGeometry.from_radii(*radii)
+    poses = np.array([[0.0, y, height, 0.0, 0.0, 0.0] for y in (force_ratio, 0.0)])
+    poses = kinematics.solve_constraint(pentapod, poses, "alpha").poses[:, 0]
+    wrench = [0.0, 10.0, -10.0, 10.0, 0.0, 10.0]
+    far, near = np.abs(statics.joint_forces(pentapod, poses, wrench)[:, :5]).max(axis=1)
+    return float(far / near)
+
+
+@functools.cache
+def _pentapod_lattice(resolution: int, mode: str) -> float:
+    """Return the largest GCI of the lattice."""
+    mechanism = mechanisms.get("pentapod")
+    settings = SweepSettings("pentapod", "radii", resolution, (mode,), (), 1e-2)
+    results = mechanism.evaluate(mechanism.lattice("radii", resolution), settings)
+    return float(np.nanmax(results["gci"]))
+
+
+def _gci_ratio(*, gci_ratio: list[float], resolution: int, mode: str) -> float:
+    """Return the largest GCI of the lattice over that of a machine H, r_a, r_b."""
+    mechanism = mechanisms.get("pentapod")
+    design, _ = mechanism.from_lengths(gci_ratio)
+    settings = SweepSettings("pentapod", "radii", resolution, (mode,), (), 1e-3)
+    own = mechanism.evaluate(design[None], settings)["gci"]
+    return _pentapod_lattice(resolution, mode) / float(own[0])
+
+
 _COMPUTATIONS: dict[str, Callable[..., float]] = {
     "quantity": _quantity,
     "lci_radius": _lci_radius,
@@ -299,4 +354,8 @@ _COMPUTATIONS: dict[str, Callable[..., float]] = {
     "largest_square": _largest_square,
     "best_square": _best_square,
     "in_the_square": _in_the_square,
+    "pentapod_mobility": _pentapod_mobility,
+    "start_height": _start_height,
+    "force_ratio": _force_ratio,
+    "gci_ratio": _gci_ratio,
 }

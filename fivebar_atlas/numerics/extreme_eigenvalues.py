@@ -38,7 +38,7 @@ EIGENVALUES = record_type(
     ("vector", np.float64, (ORDER, LANES)),
     ("product", np.float64, (ORDER, LANES)),
     ("factor", np.float64, (LANES,)),
-    ("diagonal", np.float64, (ORDER, LANES)),
+    ("main_diagonal", np.float64, (ORDER, LANES)),
     ("off_diagonal", np.float64, (ORDER, LANES)),
     ("least", np.float64, (LANES,)),
     ("greatest", np.float64, (LANES,)),
@@ -86,7 +86,7 @@ def reduce_to_tridiagonal(w: Eigenvalues) -> None:
                     a[i, j, k] -= v[i, k] * p[j, k] + p[i, k] * v[j, k]
     for i in range(ORDER):
         for k in range(LANES):
-            w.diagonal[i, k] = a[i, i, k]
+            w.main_diagonal[i, k] = a[i, i, k]
     for k in range(LANES):
         w.off_diagonal[ORDER - 2, k] = a[ORDER - 1, ORDER - 2, k] ** 2
         w.off_diagonal[ORDER - 1, k] = 0.0
@@ -94,7 +94,7 @@ def reduce_to_tridiagonal(w: Eigenvalues) -> None:
 
 @kernel
 def laguerre_step(
-    x: float, d0: float, d1: float, d2: float, d3: float, d4: float, d5: float,
+    x: float, side: float, d0: float, d1: float, d2: float, d3: float, d4: float, d5: float,
     e0: float, e1: float, e2: float, e3: float, e4: float,
 ) -> float:  # fmt: skip
     """Return how far Laguerre's step goes from x, a bound of the spectrum, towards it.
@@ -102,7 +102,9 @@ def laguerre_step(
     Parameters
     ----------
     x
-        A number not between the least and the greatest eigenvalue.
+        A bound of the spectrum.
+    side
+        1 for a bound below, -1 for one above.
     d0, d1, d2, d3, d4, d5
         Diagonal.
     e0, e1, e2, e3, e4
@@ -111,7 +113,8 @@ def laguerre_step(
     Returns
     -------
     float
-        The length of the step, not negative; 0 where x is an eigenvalue.
+        The length of the step; 0 where x is an eigenvalue, or between two by rounding: from there
+        steps would lead away.
     """
     # p_k = (d_k - x) p_(k-1) - e_(k-1) p_(k-2), its derivative f and half of its second one s
     p0, f0, s0 = 1.0, 0.0, 0.0
@@ -128,7 +131,7 @@ def laguerre_step(
     p6, f6, s6 = g * p5 - e4 * p4, g * f5 - p5 - e4 * f4, g * s5 - f5 - e4 * s4
     radicand = 5.0 * (5.0 * f6 * f6 - 12.0 * p6 * s6)
     below = abs(f6) + math.sqrt(max(radicand, 0.0))
-    return 6.0 * abs(p6) / below if below > 0.0 else 0.0
+    return 6.0 * p6 / below if p6 > 0.0 and side * f6 < 0.0 else 0.0
 
 
 @kernel
@@ -144,7 +147,7 @@ def find_extreme_eigenvalues(w: Eigenvalues, count: int) -> None:
         How many lanes hold matrices, at most LANES.
     """
     reduce_to_tridiagonal(w)
-    d, e = w.diagonal, w.off_diagonal
+    d, e = w.main_diagonal, w.off_diagonal
     for k in range(LANES):
         w.least[k] = 0.0
         # the trace bounds the greatest eigenvalue of a matrix without negative ones
@@ -156,7 +159,7 @@ def find_extreme_eigenvalues(w: Eigenvalues, count: int) -> None:
         for _ in range(_STEPS):
             for k in range(LANES):
                 step = laguerre_step(
-                    x[k], d[0, k], d[1, k], d[2, k], d[3, k], d[4, k], d[5, k],
+                    x[k], sign, d[0, k], d[1, k], d[2, k], d[3, k], d[4, k], d[5, k],
                     e[0, k], e[1, k], e[2, k], e[3, k], e[4, k],
                 )  # fmt: skip
                 w.product[0, k] = step

@@ -18,10 +18,11 @@ from fivebar_atlas.errors import InputError
 from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.pentapod.atlas_options import HOME, AtlasOptions
 from fivebar_atlas.mechanisms.pentapod.determinant_along import determinant_at
+from fivebar_atlas.mechanisms.pentapod.drawn_lines import diamond_angle
 from fivebar_atlas.mechanisms.pentapod.extremes import LIMB_FORCE, SINGULAR_VALUE, search_worst
-from fivebar_atlas.mechanisms.pentapod.geometry import PentapodGeometry
 from fivebar_atlas.mechanisms.pentapod.integration import (
     HITS,
+    LARGEST,
     SHARE,
     SHARE_LCI,
     SHARE_VALUE,
@@ -33,7 +34,7 @@ from fivebar_atlas.mechanisms.pentapod.integration import (
 )
 from fivebar_atlas.mechanisms.pentapod.jacobian import jacobian, without_unit
 from fivebar_atlas.mechanisms.pentapod.kinematics import inverse_displacement
-from fivebar_atlas.mechanisms.pentapod.pose import set_pose
+from fivebar_atlas.mechanisms.pentapod.pose import set_orientation, set_position
 from fivebar_atlas.mechanisms.pentapod.sampling import (
     FIRST_POINTS,
     SCRAMBLINGS,
@@ -54,8 +55,8 @@ _DEGENERATE = 1e-9
 # Points of a scrambling at most at a tolerance of 1e-3; a tighter one is worth more of them, and
 # this factor bounds the memory that they take.
 _MOST_POINTS, _MOST_FACTOR = 1 << 14, 8
-# Quantile of Student's t for the scrambling means: two-sided, 99.9 %.
-_STUDENT = 4.072765195903514
+# Quantile of Student's t for the scrambling means: two-sided, 99.8 %.
+_STUDENT = 3.7328344253109
 # Shares of the box that may go unseen: with no more the odds of seeing nothing are 1 in 1,000.
 _UNSEEN = math.log(1000.0)
 # Where there are few usable points their scatter tells little: this over the square of their
@@ -187,17 +188,16 @@ def set_design(
     design.axis_offset[0] = geometry.platform[-1] @ axis
     design.home_directions[:] = limbs.directions
     design.least_square[:] = (options.limb_min * limbs.lengths) ** 2
-    longest = options.limb_max * limbs.lengths
-    design.greatest_square[:] = longest**2
+    design.greatest_square[:] = (options.limb_max * limbs.lengths) ** 2
     design.base_cosine[0] = _cosine(options.base_joint_limit)
     design.platform_cosine[0] = _cosine(options.platform_joint_limit)
     design.branch[0] = math.copysign(1.0, slope)
     design.characteristic_length[0] = length
-    set_pose(w.fibre.pose, design, *HOME[:3], *(0.0, 1.0) * 3)
+    set_orientation(w.fibre.pose, design, *(0.0, 1.0) * 3)
+    set_position(w.fibre.pose, design, *HOME[:3])
     at_home = determinant_at(design, w.fibre.pose, np.array([0.0, 0.0, 1.0]), 0.0)
     design.determinant_sign[0] = math.copysign(1.0, at_home)
-    design.boxes[_BOX, 0], design.boxes[_BOX, 1] = options.box_least, options.box_greatest
-    _set_reach(design.boxes[_VOLUME], geometry, longest, options)
+    _set_boxes(design, options)
     return True
 
 
@@ -206,16 +206,25 @@ def _cosine(angle: float) -> float:
     return -1.0 if angle >= math.pi else math.cos(angle)
 
 
-def _set_reach(
-    box: FloatArray, geometry: PentapodGeometry, longest: FloatArray, options: AtlasOptions
-) -> None:
-    """Set a box that holds all positions in which no limb is too long, whatever the angles."""
-    reach = (longest + np.linalg.norm(geometry.platform, axis=1))[:, None]
-    box[:] = 0.0
-    box[0, :3] = np.max(geometry.base - reach, axis=0)
-    box[1, :3] = np.min(geometry.base + reach, axis=0)
-    box[0, 2] = max(box[0, 2], 0.0)
-    box[0, 3], box[1, 3] = options.box_least[3], options.box_greatest[3]
+def _set_boxes(design: Any, options: AtlasOptions) -> None:
+    """Set the boxes of a design and what goes with them."""
+    boxes = design.boxes
+    boxes[_BOX] = options.box_least, options.box_greatest
+    boxes[_VOLUME] = 0.0
+    boxes[_VOLUME, :, :3] = [[-math.inf, -math.inf, 0.0], [math.inf, math.inf, math.inf]]
+    boxes[_VOLUME, :, 3] = boxes[_BOX, :, 3]
+    # a half turn is 2 by its sign, whatever rounding does to its sine
+    design.alpha_range[:] = [
+        math.copysign(2.0, angle)
+        if abs(angle) >= math.pi
+        else diamond_angle(math.sin(angle), math.cos(angle))
+        for angle in boxes[_BOX, :, 3].tolist()
+    ]
+    last = design.base_joints[-1, :2]
+    beside = last - np.clip(last, boxes[_BOX, 0, :2], boxes[_BOX, 1, :2])
+    # no positions are in a box without ends that need no look
+    design.nearest_square[:] = beside @ beside, -1.0
+    design.box_volume[:] = np.prod(boxes[_BOX, 1, :3] - boxes[_BOX, 0, :3]), 1.0
 
 
 def _most_levels(tolerance: float) -> int:
@@ -253,7 +262,7 @@ def _set_means(
 ) -> int:  # fmt: skip
     """Set shares and means from sums over so many points of each scrambling; return the status."""
     hits = float(sums[:, HITS].sum())
-    unseen = _UNSEEN / (SCRAMBLINGS * points)
+    unseen = _UNSEEN * float(sums[:, LARGEST].max()) / (SCRAMBLINGS * points)
     share, error = mean_and_error(sums[:, SHARE] / points)
     out["usable_share"][n], out["usable_share_error"][n] = share, max(error, unseen)
     status = 0 if max(error, unseen) <= tolerance else SHARE_TOLERANCE_NOT_REACHED
@@ -286,13 +295,13 @@ def _set_means(
 
 
 def mean_and_error(values: FloatArray) -> tuple[float, float]:
-    """Return the mean of independent unbiased estimates and its error, at 99.9 %."""
+    """Return the mean of independent unbiased estimates and its error, at 99.8 %."""
     mean = float(values.mean())
     return mean, _STUDENT * float(values.std(ddof=1)) / math.sqrt(len(values))
 
 
 def ratio_and_error(above: FloatArray, below: FloatArray) -> tuple[float, float]:
-    """Return the ratio of the means of pairs of estimates and its error, at 99.9 %.
+    """Return the ratio of the means of pairs of estimates and its error, at 99.8 %.
 
     The error is linearised: that of the mean of the differences above - ratio below.
     """
@@ -323,16 +332,15 @@ def _set_extremes(
 
 def _evaluate_volume(w: Work, tolerance: float, out: dict[str, npt.NDArray[Any]], n: int) -> int:
     """Evaluate the workspace volume; return the status."""
-    box = w.fibre.design.boxes[_VOLUME]
-    whole = float(np.prod(box[1, :3] - box[0, :3]))
     sums, none = np.zeros((SCRAMBLINGS, SUMS)), np.empty(0)
     values, coordinates = np.empty((SCRAMBLINGS, 2)), np.empty((SCRAMBLINGS, 2, 5))
     for level in range(_most_levels(tolerance)):
         integrate(w, _VOLUME, points_of_level(level), none, sums, values, coordinates)
         points = FIRST_POINTS << level
-        share, error = mean_and_error(sums[:, SHARE] / points)
-        error = max(error, _UNSEEN / (SCRAMBLINGS * points) if share == 0.0 else 0.0)
-        out["workspace_volume"][n], out["workspace_volume_error"][n] = whole * share, whole * error
-        if error <= tolerance * share:
+        volume, error = mean_and_error(sums[:, SHARE] / points)
+        if volume == 0.0:
+            error = _UNSEEN * float(sums[:, LARGEST].max()) / (SCRAMBLINGS * points)
+        out["workspace_volume"][n], out["workspace_volume_error"][n] = volume, error
+        if error <= tolerance * volume:
             return 0
     return SHARE_TOLERANCE_NOT_REACHED

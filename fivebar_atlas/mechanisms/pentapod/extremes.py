@@ -26,7 +26,7 @@ from fivebar_atlas.mechanisms.pentapod.fibre import (
     ONLY_SINGULAR,
     SOMETHING_SINGULAR,
     Fibre,
-    find_usable,
+    find_through,
 )
 from fivebar_atlas.numerics.extreme_eigenvalues import LANES
 from fivebar_atlas.numerics.interval_sets import nearest_point
@@ -123,7 +123,7 @@ def search_worst(f: Fibre, w: Poses, worst: Worst, which: int, deviates: FloatAr
             z = min(max(z, least[2]), greatest[2])
             beta = min(max(beta, least[4]), greatest[4])
             gamma = min(max(gamma, least[5]), greatest[5])
-            state, _length = find_usable(f, 0, x, y, z, beta, gamma)
+            state, _length = find_through(f, 0, x, y, z, beta, gamma)
             if state in (SOMETHING_SINGULAR, ONLY_SINGULAR):
                 return True
             if state == NOTHING:

@@ -9,10 +9,9 @@ is vertical where n6 is horizontal. On it
 - the limits of the limbs and of their joints are roots of quadratic equations, and the sign of
   det G that of a cubic (:mod:`limits_along`, :mod:`determinant_along`).
 
-Poses with uniform X, Y, Z, β, γ are uniform on each line (the map from p to α and the position of
-the line has a constant Jacobian on it). So of a pose drawn from the box, the share of its line
-that is usable is known without drawing more, and a usable pose of the line is one drawn from the
-usable poses.
+Poses with uniform X, Y, Z, β, γ are uniform on each line, since that derivative is constant on
+it. So of a pose drawn from the box, the share of its line that is usable is known without drawing
+more, and a usable pose of the line is one drawn from the usable poses.
 """
 
 from __future__ import annotations
@@ -26,7 +25,13 @@ from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.pentapod.determinant_along import remove_other_sign
 from fivebar_atlas.mechanisms.pentapod.geometry import LIMBS
 from fivebar_atlas.mechanisms.pentapod.limits_along import inside_cone, inside_sphere
-from fivebar_atlas.mechanisms.pentapod.pose import DESIGN, POSE, set_pose, solve_alpha
+from fivebar_atlas.mechanisms.pentapod.pose import (
+    DESIGN,
+    POSE,
+    set_orientation,
+    set_position,
+    solve_alpha,
+)
 from fivebar_atlas.numerics.interval_sets import (
     INTERVALS,
     remove_interval,
@@ -56,7 +61,7 @@ Fibre = Any
 
 
 @kernel
-def find_usable(
+def find_through(
     f: Fibre, box: int, x: float, y: float, z: float, beta: float, gamma: float
 ) -> tuple[int, float]:
     """Find what is usable on the line through a pose of a box.
@@ -78,31 +83,71 @@ def find_usable(
     length
         Length of the line in the box; 0 where it is only a point, since the box is flat.
     """
-    design, pose, direction = f.design, f.pose, f.direction
-    f.usable.count[0] = 0
+    design = f.design
     sb, cb, sg, cg = math.sin(beta), math.cos(beta), math.sin(gamma), math.cos(gamma)
     sa, ca, exists = solve_alpha(design, x, y, z, sb, cb, sg, cg)
     if not exists:
         return NOTHING, 0.0
-    least, greatest = design.boxes[box, 0], design.boxes[box, 1]
     alpha = math.atan2(sa, ca)
-    if alpha < least[3] - _ANGLE_SLACK or alpha > greatest[3] + _ANGLE_SLACK:
+    least, greatest = design.boxes[box, 0, 3], design.boxes[box, 1, 3]
+    if alpha < least - _ANGLE_SLACK or alpha > greatest + _ANGLE_SLACK:
         return NOTHING, 0.0
-    set_pose(pose, design, x, y, z, sa, ca, sb, cb, sg, cg)
-    n = pose.axis
-    level = math.sqrt(n[0] * n[0] + n[1] * n[1])
-    direction[0] = -n[0] * n[2] / level
-    direction[1] = -n[1] * n[2] / level
-    direction[2] = level
-    low, high = -math.inf, math.inf
-    for j in range(3):
-        if abs(direction[j]) > _FLAT:
-            one = (least[j] - pose.position[j]) / direction[j]
-            other = (greatest[j] - pose.position[j]) / direction[j]
-            low, high = max(low, min(one, other)), min(high, max(one, other))
+    set_orientation(f.pose, design, sa, ca, sb, cb, sg, cg)
+    set_position(f.pose, design, x, y, z)
+    set_direction(f)
+    low, high = ways_in_box(f, box)
     length = high - low
     if not length > _SHORT:
         low, high, length = 0.0, 0.0, 0.0
+    state, _reached = find_usable(f, low, high)
+    return state, length
+
+
+@kernel
+def set_direction(f: Fibre) -> float:
+    """Set the direction of the line through a pose; return the length of n6 in plan."""
+    n = f.pose.axis
+    level = math.sqrt(n[0] * n[0] + n[1] * n[1])
+    f.direction[0] = -n[0] * n[2] / level
+    f.direction[1] = -n[1] * n[2] / level
+    f.direction[2] = level
+    return level
+
+
+@kernel
+def ways_in_box(f: Fibre, box: int) -> tuple[float, float]:
+    """Return where the line through a pose is in a box, from and to."""
+    low, high = -math.inf, math.inf
+    for j in range(3):
+        if abs(f.direction[j]) > _FLAT:
+            one = (f.design.boxes[box, 0, j] - f.pose.position[j]) / f.direction[j]
+            other = (f.design.boxes[box, 1, j] - f.pose.position[j]) / f.direction[j]
+            low, high = max(low, min(one, other)), min(high, max(one, other))
+    return low, high
+
+
+@kernel
+def find_usable(f: Fibre, low: float, high: float) -> tuple[int, float]:
+    """Find what is usable of a part of the line through a pose.
+
+    Parameters
+    ----------
+    f
+        Work space with design, pose and direction; receives the usable ways.
+    low, high
+        The part.
+
+    Returns
+    -------
+    state
+        Whether something is usable, and whether something would be but for the sign of det G.
+    reached
+        The length that no limb is too short for.
+    """
+    design, pose, direction = f.design, f.pose, f.direction
+    f.usable.count[0] = 0
+    if not low <= high:
+        return NOTHING, 0.0
     for i in range(LIMBS):
         l0, l1, l2 = pose.vectors[i, 0], pose.vectors[i, 1], pose.vectors[i, 2]
         f.along[i] = l0 * direction[0] + l1 * direction[1] + l2 * direction[2]
@@ -110,7 +155,8 @@ def find_usable(
         one, other = inside_sphere(f.along[i], f.square[i], design.greatest_square[i])
         low, high = max(low, one), min(high, other)
         if not low <= high:
-            return NOTHING, length
+            return NOTHING, 0.0
+    reached = high - low
     # wider cones than a half space are what is left without a narrower one
     for side in range(2):
         cosine = design.base_cosine[0] if side == 0 else design.platform_cosine[0]
@@ -121,7 +167,7 @@ def find_usable(
             one, other = inside_cone(f.along[i], f.square[i], height, rise, cosine)
             low, high = max(low, one), min(high, other)
             if not low <= high:
-                return NOTHING, length
+                return NOTHING, reached
     set_interval(f.usable, low, high)
     for i in range(LIMBS):
         one, other = inside_sphere(f.along[i], f.square[i], design.least_square[i])
@@ -134,11 +180,11 @@ def find_usable(
                 one, other = inside_cone(f.along[i], f.square[i], -height, -rise, -cosine)
                 remove_interval(f.usable, one, other)
     if f.usable.count[0] == 0:
-        return NOTHING, length
+        return NOTHING, reached
     is_singular = remove_other_sign(f.usable, design, pose, direction)
     if f.usable.count[0] == 0:
-        return ONLY_SINGULAR, length
-    return (SOMETHING_SINGULAR if is_singular else SOMETHING), length
+        return ONLY_SINGULAR, reached
+    return (SOMETHING_SINGULAR if is_singular else SOMETHING), reached
 
 
 @kernel

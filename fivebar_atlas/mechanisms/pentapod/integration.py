@@ -12,6 +12,7 @@ from fivebar_atlas.mechanisms.pentapod.conditioning import (
     add_pose,
     find_singular_values,
 )
+from fivebar_atlas.mechanisms.pentapod.drawn_lines import draw_line
 from fivebar_atlas.mechanisms.pentapod.extremes import WORST, Worst, note_worst
 from fivebar_atlas.mechanisms.pentapod.fibre import (
     FIBRE,
@@ -19,7 +20,7 @@ from fivebar_atlas.mechanisms.pentapod.fibre import (
     ONLY_SINGULAR,
     SOMETHING_SINGULAR,
     Fibre,
-    find_usable,
+    find_through,
 )
 from fivebar_atlas.numerics.extreme_eigenvalues import LANES
 from fivebar_atlas.numerics.interval_sets import point_at, total_length
@@ -29,9 +30,10 @@ from fivebar_atlas.numerics.records import record_type
 WORK = record_type(("fibre", FIBRE, ()), ("poses", POSES, ()), ("worst", WORST, ()))
 
 #: Sums over points: how many have usable poses on their line, how many have poses there that only
-#: det G excludes, usable shares, and shares times LCI and times the least singular value. Shares
-#: with an LCI of at least each threshold follow, and these times LCI.
-HITS, SINGULAR, SHARE, SHARE_LCI, SHARE_VALUE, SUMS = range(6)
+#: det G excludes, the largest share that a line can stand for (no sum), usable shares, and shares
+#: times LCI and times the least singular value. Shares with an LCI of at least each threshold
+#: follow, and these times LCI.
+HITS, SINGULAR, LARGEST, SHARE, SHARE_LCI, SHARE_VALUE, SUMS = range(7)
 
 Work = Any
 
@@ -59,15 +61,24 @@ def _integrate(
     """Add points to one row of sums."""
     f: Fibre = w.fibre
     least, greatest = f.design.boxes[box, 0], f.design.boxes[box, 1]
+    # means gain little from a second pose of a line, shares above a threshold do
+    parts = 2 if len(thresholds) > 0 else 1
+    is_flat = not f.design.box_volume[box] > 0.0
     w.poses.count[0] = 0
     for n in range(len(points)):
         u = points[n]
-        x = least[0] + u[0] * (greatest[0] - least[0])
-        y = least[1] + u[1] * (greatest[1] - least[1])
-        z = least[2] + u[2] * (greatest[2] - least[2])
-        beta = least[4] + u[3] * (greatest[4] - least[4])
-        gamma = least[5] + u[4] * (greatest[5] - least[5])
-        state, length = find_usable(f, box, x, y, z, beta, gamma)
+        beta = least[4] + u[2] * (greatest[4] - least[4])
+        gamma = least[5] + u[3] * (greatest[5] - least[5])
+        if is_flat:
+            x = least[0] + u[0] * (greatest[0] - least[0])
+            y = least[1] + u[1] * (greatest[1] - least[1])
+            z = least[2] + u[5] * (greatest[2] - least[2])
+            state, length = find_through(f, box, x, y, z, beta, gamma)
+            weight = 1.0 / length if length > 0.0 else 1.0
+            sums[LARGEST] = 1.0
+        else:
+            state, weight, length = draw_line(f, box, u[0], u[1], beta, gamma)
+            sums[LARGEST] = max(sums[LARGEST], weight * length)
         if state == NOTHING:
             continue
         if state in (SOMETHING_SINGULAR, ONLY_SINGULAR):
@@ -75,13 +86,16 @@ def _integrate(
             if state == ONLY_SINGULAR:
                 continue
         usable = total_length(f.usable)
-        share = min(usable / length, 1.0) if length > 0.0 else 1.0
+        share = weight * usable if length > 0.0 else weight
         sums[HITS] += 1.0
         sums[SHARE] += share
         if box == 0:
-            add_pose(w.poses, f, point_at(f.usable, u[5] * usable), beta, gamma, share)
-            if w.poses.count[0] == LANES:
-                _add_up(w.poses, w.worst, thresholds, sums)
+            # one pose of each of equal parts of the line
+            for part in range(parts):
+                way = point_at(f.usable, (part + u[4]) * usable / parts)
+                add_pose(w.poses, f, way, beta, gamma, share / parts)
+                if w.poses.count[0] == LANES:
+                    _add_up(w.poses, w.worst, thresholds, sums)
     if w.poses.count[0] > 0:
         _add_up(w.poses, w.worst, thresholds, sums)
 
@@ -101,7 +115,8 @@ def integrate(
         0, the box of the indices, or 1, that of the workspace volume, for which nothing is summed
         but how many points and which share.
     points
-        Points of the unit cube, shape (r, n, 6): X, Y, Z, β, γ, and which pose of the line.
+        Points of the unit cube, shape (r, n, 6): two for the line, β, γ, one for the pose on it,
+        and one for boxes that are flat.
     thresholds
         Least LCI of good condition, shape (k,).
     sums

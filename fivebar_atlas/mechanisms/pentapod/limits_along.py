@@ -54,25 +54,24 @@ def inside_cone(
     a = rise * rise - c2
     b = height * rise - c2 * along
     c = height * height - c2 * square
+    if a == 0.0:
+        # d is along a side of the cone, and the equation is linear
+        if b == 0.0:
+            inside = c >= 0.0 and height >= 0.0
+            return (-math.inf, math.inf) if inside else (math.inf, -math.inf)
+        only = -0.5 * c / b
+        return (only, math.inf) if rise > 0.0 else (-math.inf, only)
     radicand = b * b - a * c
     if radicand <= 0.0:
         if a < 0.0:
             return math.inf, -math.inf
         # through the tip, but for rounding
         radicand = 0.0
-    root = math.sqrt(radicand)
-    q = -(b + math.copysign(root, b))
+    q = -(b + math.copysign(math.sqrt(radicand), b))
     one, other = q / a, (c / q if q != 0.0 else 0.0)
     low, high = min(one, other), max(one, other)
     if a > 0.0:
         # one root is on the cone, the other on its image beyond the tip
         return (high, math.inf) if rise > 0.0 else (-math.inf, low)
-    if a < 0.0:
-        middle = 0.5 * (low + high)
-        return (low, high) if height + middle * rise > 0.0 else (math.inf, -math.inf)
-    # d is along a side of the cone, and the equation is linear
-    if b == 0.0:
-        inside = c >= 0.0 and height >= 0.0
-        return (-math.inf, math.inf) if inside else (math.inf, -math.inf)
-    only = -0.5 * c / b
-    return (only, math.inf) if rise > 0.0 else (-math.inf, only)
+    middle = 0.5 * (low + high)
+    return (low, high) if height + middle * rise > 0.0 else (math.inf, -math.inf)

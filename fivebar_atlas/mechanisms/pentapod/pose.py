@@ -22,9 +22,12 @@ from fivebar_atlas.jit import kernel
 from fivebar_atlas.mechanisms.pentapod.geometry import LIMBS
 from fivebar_atlas.numerics.records import record_type
 
-#: A design and its limits. Boxes have the least and the greatest X, Y, Z, α, β, γ; there are
-#: two, that of the indices and that of the workspace volume. The limits of limbs are squares of
-#: lengths.
+#: A design and its limits; those of limbs are squares of lengths. Boxes have the least and the
+#: greatest X, Y, Z, α, β, γ. There are two, that of the indices, and that of the workspace volume,
+#: in which X, Y and Z have no greatest values. For both, ``alpha_range`` has the diamond angles of
+#: the ends of α; ``nearest_square`` is the square of the least distance of a position from the
+#: vertical through A_5, negative where there is no look for it; ``box_volume`` is what volumes of
+#: positions are divided by, 0 where the box is flat.
 DESIGN = record_type(
     ("base_joints", np.float64, (LIMBS, 3)),
     ("platform_joints", np.float64, (LIMBS, 3)),
@@ -39,6 +42,9 @@ DESIGN = record_type(
     ("determinant_sign", np.float64, (1,)),
     ("characteristic_length", np.float64, (1,)),
     ("boxes", np.float64, (2, 2, 6)),
+    ("alpha_range", np.float64, (2,)),
+    ("nearest_square", np.float64, (2,)),
+    ("box_volume", np.float64, (2,)),
 )
 
 #: A pose: p, R, n6, and for each limb r_i = R B_i and the vector from A_i to B_i.
@@ -97,20 +103,17 @@ def solve_alpha(
 
 
 @kernel
-def set_pose(
-    pose: Pose, design: Design, x: float, y: float, z: float, sa: float, ca: float,
-    sb: float, cb: float, sg: float, cg: float,
+def set_orientation(
+    pose: Pose, design: Design, sa: float, ca: float, sb: float, cb: float, sg: float, cg: float
 ) -> None:  # fmt: skip
-    """Set a pose (Eqs. 2-4).
+    """Set R, n6 and the arms of a pose (Eqs. 2 and 3).
 
     Parameters
     ----------
     pose
-        Receives the pose.
+        Receives them.
     design
         The design.
-    x, y, z
-        p.
     sa, ca, sb, cb, sg, cg
         Sines and cosines of α, β and γ.
     """
@@ -118,27 +121,20 @@ def set_pose(
     r[0, 0], r[0, 1], r[0, 2] = ca * cb, ca * sb * sg - sa * cg, ca * sb * cg + sa * sg
     r[1, 0], r[1, 1], r[1, 2] = sa * cb, sa * sb * sg + ca * cg, sa * sb * cg - ca * sg
     r[2, 0], r[2, 1], r[2, 2] = -sb, cb * sg, cb * cg
-    pose.position[0], pose.position[1], pose.position[2] = x, y, z
     n = design.axis
     for j in range(3):
         pose.axis[j] = r[j, 0] * n[0] + r[j, 1] * n[1] + r[j, 2] * n[2]
     for i in range(LIMBS):
-        b0, b1, b2 = (
-            design.platform_joints[i, 0],
-            design.platform_joints[i, 1],
-            design.platform_joints[i, 2],
-        )
+        b = design.platform_joints[i]
         for j in range(3):
-            arm = r[j, 0] * b0 + r[j, 1] * b1 + r[j, 2] * b2
-            pose.arms[i, j] = arm
-            pose.vectors[i, j] = pose.position[j] + arm - design.base_joints[i, j]
+            pose.arms[i, j] = r[j, 0] * b[0] + r[j, 1] * b[1] + r[j, 2] * b[2]
 
 
 @kernel
-def move_pose(pose: Pose, direction: Any, length: float) -> None:
-    """Move the platform without turning it, by a length along a direction, shape (3,)."""
-    for j in range(3):
-        step = length * direction[j]
-        pose.position[j] += step
-        for i in range(LIMBS):
-            pose.vectors[i, j] += step
+def set_position(pose: Pose, design: Design, x: float, y: float, z: float) -> None:
+    """Set p of a pose with an orientation, and the vectors of the limbs (Eq. 4)."""
+    pose.position[0], pose.position[1], pose.position[2] = x, y, z
+    for i in range(LIMBS):
+        for j in range(3):
+            arm = pose.arms[i, j]
+            pose.vectors[i, j] = pose.position[j] + arm - design.base_joints[i, j]
