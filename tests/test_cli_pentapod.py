@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import Command
+from conftest import ROOT, Command
 from report_page import read_page
 
 CHOSEN = ("--mechanism", "pentapod")
@@ -164,3 +165,28 @@ def test_conditions_and_region_are_on_share_and_gci(
     assert "is a quantity of five-bar, passive-leg; this file is of pentapod" in line
     assert "'atlas mechanisms pentapod' lists" in line
     assert len(line) < 300
+
+
+def test_the_validation_page_has_the_values_of_the_designs_that_it_compares(atlas: Command) -> None:
+    page = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
+    table = page.split("## Is the geometry of the pentapod good?\n")[1].split("|---", 1)
+    names = re.findall(r"`(\w+)`", table[0])
+    rows = [
+        [cell.strip() for cell in line.strip("|").split("|")]
+        for line in table[1].splitlines()[1:]
+        if line.startswith("|")
+    ]
+    assert len(rows) == 6
+    found = []
+    for height, r_a, r_b, *printed in rows:
+        outcome = atlas("evaluate", *CHOSEN, height, r_a, r_b, "--tolerance", 1e-3, "--json")
+        values = json.loads(outcome.out)
+        assert values["status"] == "singular_poses"
+        for name, text in zip(names, printed, strict=True):
+            half = 0.51 * 10.0 ** -len(text.partition(".")[2]) + values.get(f"{name}_error", 0.0)
+            assert values[name] == pytest.approx(float(text), abs=half), (height, name)
+        found.append([values[name] for name in names])
+    # the others are better in all
+    for paper, other in zip(found[:3], found[3:], strict=True):
+        assert all(theirs > ours for ours, theirs in zip(paper[:3], other[:3], strict=True))
+        assert other[3] < paper[3]
