@@ -14,7 +14,7 @@ PLOT_OPTIONS ?=
 # Conditions of the optimum region, one `--where` each, and those of one configuration.
 REGION ?= --where 'usable_workspace_area>=24' --where 'gci>=0.62'
 REGION_passive-leg ?= --where 'usable_workspace_area>=12' --where 'gci>=0.55'
-REGION_pentapod ?= --where 'usable_share>=0.5' --where 'gci>=0.01'
+REGION_pentapod ?= --where 'usable_share>=0.5' --where 'gci>=0.02'
 
 BIN := $(VENV)/bin
 ATLAS := $(BIN)/atlas

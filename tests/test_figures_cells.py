@@ -622,5 +622,5 @@ def test_a_mechanism_that_does_not_move_in_a_plane_is_refused(
     refused: Refused, toy: str, tmp_path: Path
 ) -> None:
     told = refused("plot", "loci-atlas", "--mechanism", toy, "-o", tmp_path / "figure.png")
-    assert told.endswith("expected a mechanism whose output point moves in a plane")
+    assert told.endswith("whose output point moves in a plane: five-bar, passive-leg")
     assert list(tmp_path.iterdir()) == []

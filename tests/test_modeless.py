@@ -6,16 +6,22 @@ import csv
 import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import h5py
+import numpy as np
+import numpy.typing as npt
 import pytest
 from conftest import Command
 from matplotlib.figure import Figure
 from matplotlib.text import Text
+from modeless_mechanism import ModelessMechanism
 from report_page import read_page
 
 from fivebar_atlas import mechanisms
 from fivebar_atlas.figures.atlas_figures import quantity_figure, region_figure
+from fivebar_atlas.mechanisms.arrays import FloatArray
+from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.store import open_atlas
 from fivebar_atlas.synthesis.candidates import Candidates
 from fivebar_atlas.synthesis.conditions import parse_condition
@@ -101,6 +107,34 @@ def test_optima_are_those_of_the_closed_forms(file: Path, atlas: Command) -> Non
         grown = design["a"] - 0.7
         if design["a"] < 1.0:
             assert design["b"] - 0.4 == pytest.approx(grown, abs=1e-6)
+
+
+def test_errors_of_values_do_not_mislead_a_search(
+    file: Path, atlas: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exact, seen = ModelessMechanism.evaluate, []
+
+    def sampled(
+        self: ModelessMechanism, parameters: FloatArray, settings: SweepSettings
+    ) -> dict[str, npt.NDArray[Any]]:
+        seen.append((len(parameters), settings.tolerance))
+        results = exact(self, parameters, settings)
+        # jumps from design to design that are far below the tolerance
+        results["merit"] = results["merit"] + 1e-5 * np.sin(1e7 * parameters.sum(axis=1))
+        return results
+
+    monkeypatch.setattr(ModelessMechanism, "evaluate", sampled)
+    monkeypatch.setattr(ModelessMechanism, "exact_tolerance", None)
+    monkeypatch.setattr(ModelessMechanism, "exact_step", 1e-2)
+    found = json.loads(atlas("optimum", file, "--maximise", "merit", "--json").out)["maximum"]
+    # where the exact merit is within the jumps of its maximum
+    assert found["design"] == pytest.approx({"a": 0.7, "b": 0.4}, abs=0.005)
+    assert found["value"] == pytest.approx(1.0, abs=1.1e-5)
+    # nothing tighter than the file is asked for, and the survey is looser
+    assert sorted({tolerance for _, tolerance in seen}) == pytest.approx([1e-6, 1e-5])
+    assert sum(designs for designs, _ in seen) < 4000
+    text = atlas("optimum", file, "--where", "merit>=0.9", "--refine").out
+    assert "errors of the values themselves not included" in text
 
 
 def test_figures_are_drawn_over_what_the_mechanism_declares(file: Path) -> None:

@@ -228,6 +228,8 @@ class OptimumText:
             share, share_error = 100.0 * refined["share"], 100.0 * refined["share_error"]
             yield Row("refined share", f"{share:.7g} %", f"± {share_error:.1e} %")
             yield Row("largest residual", f"{refined['residual']:.1e} of the bounds")
+            if self.study.atlas.mechanism.exact_tolerance is None:
+                yield Row("", "errors of the values themselves not included")
             if refined["unmoved"]:
                 text = "where values end or jump from design to design"
                 yield Row("corners not moved", f"{refined['unmoved']}, {text}")

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.synthesis.conditions import SLACK, Condition
-from fivebar_atlas.synthesis.exact_values import LEAST_MARGIN, SURVEY_TOLERANCE, ExactValues
+from fivebar_atlas.synthesis.exact_values import LEAST_MARGIN, ExactValues
 from fivebar_atlas.synthesis.local_lattices import explored
 from fivebar_atlas.synthesis.objectives import Objective
 
@@ -207,7 +207,7 @@ def maximise(
     """
     whole, exact = exact, exact.inside()
     if spacing > 0.0 and len(starts):
-        survey = _Search(exact.for_search(SURVEY_TOLERANCE), objective, conditions, scales, span)
+        survey = _Search(exact.for_survey(), objective, conditions, scales, span)
         finest = exact.mechanism.exact_step
         starts = explored(survey.scores, exact.polygon, starts, spacing, finest)
     rough = _Search(exact.for_search(), objective, conditions, scales, span)

@@ -47,15 +47,15 @@ def triangles(resolution: int) -> IntArray:
     -------
     ndarray
         Indices into the lattice, shape (2 N², 3), counter-clockwise in the chart. Diagonals run
-        along r_a + r_b = const., across the line r_a = r_b along which most indices change fast.
+        along r_a - r_b = const., as the crease of most indices next to r_a = r_b does.
     """
     row = np.arange(resolution, dtype=np.int64)
     corner = (row[:, None] * (resolution + 1) + row).ravel()
     above = corner + resolution + 1
     return np.concatenate(
         [
-            np.column_stack([corner, corner + 1, above]),
-            np.column_stack([corner + 1, above + 1, above]),
+            np.column_stack([corner, corner + 1, above + 1]),
+            np.column_stack([corner, above + 1, above]),
         ]
     )
 

@@ -160,7 +160,7 @@ class PentapodMechanism(Mechanism):
     exact_tolerance = None
     exact_step = 1e-2
     # with the constraint's row in G no design has much more than 0.03
-    default_lci_thresholds = (0.01,)
+    default_lci_thresholds = (0.02,)
     # the points of integration
     computed_with = ("scipy",)
     options = OPTIONS
