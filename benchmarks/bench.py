@@ -24,6 +24,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import machines
 import numpy_grid
 import passive_leg
+import pentapod
 
 from fivebar_atlas import FiveBar, mechanisms
 from fivebar_atlas.executors import ThreadExecutor
@@ -299,6 +300,7 @@ def main() -> None:
     bench_start_up()
     machines.bench_machines()
     passive_leg.bench_passive_leg()
+    pentapod.bench_pentapod()
     check_accuracy()
 
 

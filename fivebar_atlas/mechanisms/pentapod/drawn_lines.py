@@ -190,11 +190,14 @@ def draw_line(
         low, high = max(low, s - root), min(high, s + root)
     if not low < high:
         return NOTHING, 0.0, 0.0
-    s = low + place * (high - low)
-    set_position(
-        pose, design, offset * n[0] - s * e1, offset * n[1] + s * e0, offset * n[2]
-    )  # fmt: skip
-    weight = level * abs(middle - s) * stretch * (last - first) * (high - low)
+    # s is drawn as |∂c/∂α| weighs it, so uniformly in the square of the distance from A_5
+    side = 1.0 if design.branch[0] < 0.0 else -1.0
+    one, other = side * (low - middle), side * (high - middle)
+    spread = abs(other - one) * (one + other)
+    nearer = min(one, other)
+    s = middle + side * math.sqrt(nearer * nearer + place * spread)
+    set_position(pose, design, offset * n[0] - s * e1, offset * n[1] + s * e0, offset * n[2])
+    weight = 0.5 * level * spread * stretch * (last - first)
     start, stop = ways_in_box(f, box)
     state, reached = find_usable(f, start, stop)
     return state, weight / design.box_volume[box], reached

@@ -60,6 +60,9 @@ def inside_cone(
             inside = c >= 0.0 and height >= 0.0
             return (-math.inf, math.inf) if inside else (math.inf, -math.inf)
         only = -0.5 * c / b
+        if b * rise < 0.0:
+            # on the image of the cone beyond the tip
+            return math.inf, -math.inf
         return (only, math.inf) if rise > 0.0 else (-math.inf, only)
     radicand = b * b - a * c
     if radicand <= 0.0:
