@@ -6,8 +6,7 @@ are set where they are drawn.
 
 from __future__ import annotations
 
-#: Colours as ``"#rrggbb"`` by the kind of :class:`planar_geometry.NamedArc`, and by that of a limit
-#: of a workspace in space.
+#: Colours as ``"#rrggbb"`` by the kind of :class:`planar_geometry.NamedArc`.
 CURVE_COLOURS = {
     "serial": "#0072b2",
     "parallel, folded": "#d55e00",
@@ -15,6 +14,10 @@ CURVE_COLOURS = {
     "parallel": "#d55e00",
     "limit": "#5c5c5c",
     "level": "#d0006f",
+}
+
+#: Those of the limits of workspaces in space, by their kind.
+LIMIT_COLOURS = {
     "longest limb": "#0072b2",
     "shortest limb": "#56b4e9",
     "base joint": "#b87700",

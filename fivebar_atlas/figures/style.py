@@ -15,7 +15,7 @@ import matplotlib as mpl
 from matplotlib import patheffects
 from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
 
-from fivebar_atlas.curve_colours import CURVE_COLOURS
+from fivebar_atlas.curve_colours import CURVE_COLOURS, LIMIT_COLOURS
 
 #: Width of a journal column, and the narrowest and widest figure, in millimetres.
 COLUMN_WIDTH = 85.0
@@ -56,7 +56,7 @@ _DASHES: dict[str, Any] = {
 }
 _CURVES: dict[str, dict[str, Any]] = {
     kind: {"color": colour, "linestyle": _DASHES.get(kind, "solid")}
-    for kind, colour in CURVE_COLOURS.items()
+    for kind, colour in (CURVE_COLOURS | LIMIT_COLOURS).items()
 }
 
 _SETTINGS: dict[str, Any] = {
@@ -121,7 +121,7 @@ def category_colours(count: int) -> list[tuple[float, float, float]]:
 
 
 def curve_look(kind: str) -> dict[str, Any]:
-    """Return the look of a line for a kind of curve: of singularity, or ``"level"``."""
+    """Return the look of a line for a kind of curve or of limit."""
     return {"color": INK, "linestyle": "solid", "linewidth": CURVE_WIDTH, **_CURVES.get(kind, {})}
 
 

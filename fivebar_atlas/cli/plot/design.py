@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fivebar_atlas.cli import options
+from fivebar_atlas.cli.plot import space
 from fivebar_atlas.cli.plot.group import Command, check_outputs, data_option, figure_options, plot
 from fivebar_atlas.cli.progress import note_compilation
 from fivebar_atlas.errors import InputError, UnknownNameError
@@ -118,11 +119,17 @@ def _in_mode(design: PlanarDesign, poses: Sequence[Pose], mode: str | None) -> P
 )
 @click.option("--mode", metavar="MODE", help="Mode pair, or with --at a working mode alone.")
 @click.option("--all", "all_solutions", is_flag=True, help="Draw all solutions side by side.")
+@space.pose_option
+@space.solve_option
+@space.view_option
 def mechanism(
     at: Pair | None,
     inputs: Pair | None,
     mode: str | None,
     all_solutions: bool,
+    pose: tuple[float, ...] | None,
+    solve: str | None,
+    view: Pair | None,
     **choices: Any,
 ) -> None:
     """Draw the linkage in a pose, with joints, links and input angles named.
@@ -130,9 +137,18 @@ def mechanism(
     Its output point is in the middle of the largest inscribed circle unless --at or --inputs
     say where. With --all all solutions of the inverse kinematics are drawn, or with --inputs
     of the forward kinematics.
+
+    A mechanism whose platform moves in space is drawn obliquely, at home unless --pose says
+    otherwise; its limb lengths and indices are below.
     """
     from fivebar_atlas.figures.linkage_figure import linkage_figure
 
+    if space.is_spatial(choices["mechanism"]):
+        planar = {"--at": at, "--inputs": inputs, "--mode": mode, "--all": all_solutions}
+        space.refuse(planar, "a plane")
+        space.draw_pose(pose, solve, view, **choices)
+        return
+    space.refuse({"--pose": pose, "--solve": solve, "--view": view}, "space")
     if at is not None and inputs is not None:
         raise click.UsageError("--at and --inputs exclude each other")
     if all_solutions and mode is not None and (at is not None or inputs is not None):
@@ -160,13 +176,34 @@ def loci(mode: str | None, **choices: Any) -> None:
 @plot.command("workspace", context_settings=options.NEGATIVE_NUMBERS)
 @_one_design
 @options.one_mode_option
-def workspace(mode: str | None, **choices: Any) -> None:
+@space.section_option
+@space.surface_option
+@space.orientation_option
+@space.view_option
+def workspace(
+    mode: str | None,
+    sections: tuple[str, ...],
+    surface: bool,
+    orientation: Pair | None,
+    view: Pair | None,
+    **choices: Any,
+) -> None:
     """Draw the usable workspace, what bounds it, and the linkage in it.
 
     Boundary arcs are named and drawn by kind of singularity; maximal inscribed circles are
     dotted.
+
+    Of a mechanism whose platform moves in space the workspace at a fixed orientation is drawn, as
+    plane sections or as a surface, in the colours of the limits that bound it.
     """
     from fivebar_atlas.figures.workspace_figure import workspace_figure
+
+    if space.is_spatial(choices["mechanism"]):
+        space.refuse({"--mode": mode}, "a plane")
+        space.draw_workspace(sections, surface, orientation, view, **choices)
+        return
+    spatial = {"--section": sections, "--surface": surface, "--orientation": orientation}
+    space.refuse({**spatial, "--view": view}, "space")
 
     def make(design: PlanarDesign, **drawing: Any) -> Any:
         pair = options.mode_pair(design, mode)

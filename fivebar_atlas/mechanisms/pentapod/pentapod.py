@@ -14,7 +14,7 @@ from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray
 from fivebar_atlas.mechanisms.pentapod.atlas_options import OPTIONS, AtlasOptions
 from fivebar_atlas.mechanisms.pentapod.forward import ForwardDisplacement, forward_displacement
 from fivebar_atlas.mechanisms.pentapod.geometry import LIMBS, PentapodGeometry
-from fivebar_atlas.mechanisms.pentapod.jacobian import jacobian, without_unit
+from fivebar_atlas.mechanisms.pentapod.jacobian import jacobian, jacobian_of, without_unit
 from fivebar_atlas.mechanisms.pentapod.kinematics import (
     COORDINATES,
     Limbs,
@@ -58,7 +58,9 @@ _LIMITS = (
     Limit("base plane", "$Z = 0$", "base plane"),
 )
 
-_REVOLUTE_JOINT = [limit.name for limit in _LIMITS].index("revolute joint")
+_REVOLUTE_JOINT, _SINGULAR_LIMIT = (
+    [limit.name for limit in _LIMITS].index(name) for name in ("revolute joint", "singular")
+)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -335,7 +337,7 @@ class Pentapod(SpatialDesign):
         """Return how far positions are from every limit, with β and γ fixed and α solved for.
 
         Lengths of limbs and heights in units of H, joints by cosines, α in radians, det G as a
-        share of that at home. Where the revolute joint allows no α, the nearest to one is taken.
+        share of that at home, and 1 where another limit is passed. Where the revolute joint allows no α, the nearest to one is taken.
         """
         poses = np.zeros((*positions.shape[:-1], 6))
         poses[..., :3] = positions
@@ -364,9 +366,12 @@ class Pentapod(SpatialDesign):
         arm, axis = self.geometry.base[-1], self.geometry.axis
         return math.copysign(1.0, float(arm[1] * axis[0] - arm[0] * axis[1]))
 
+    @functools.cached_property
+    def _home_determinant(self) -> float:
+        return float(np.linalg.det(jacobian(self.geometry, self.home)))
+
     def _singular_values(self, poses: npt.ArrayLike) -> FloatArray:
-        sizes: FloatArray = np.linalg.svd(self.jacobian(poses), compute_uv=False)
-        return sizes
+        return np.asarray(np.linalg.svd(self.jacobian(poses), compute_uv=False))
 
     def _with_alpha(self, poses: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return poses with α solved for, and by how much there is an α: amplitude less |C|."""
@@ -404,7 +409,6 @@ class Pentapod(SpatialDesign):
             )
         ]
         alpha = poses[..., 3]
-        sign = self._determinant(np.array(self.home))
         parts = [
             (given.limb_max * home.lengths - found.lengths) / height,
             (found.lengths - given.limb_min * home.lengths) / height,
@@ -414,18 +418,23 @@ class Pentapod(SpatialDesign):
                     given.box_greatest[3] - alpha,
                     alpha - given.box_least[3],
                     np.ones_like(alpha),
-                    self._determinant(poses) / sign,
+                    np.ones_like(alpha),
                     poses[..., 2] / height,
                 ],
                 axis=-1,
             ),
         ]
         slacks: FloatArray = np.concatenate(parts, axis=-1)
+        # what another limit excludes need not be looked at: this takes the longest
+        within = np.all(slacks >= 0.0, axis=-1)
+        matrices = jacobian_of(
+            self.geometry,
+            poses[within][..., :3],
+            rotations[within],
+            Limbs(found.lengths[within], found.directions[within], found.arms[within]),
+        )
+        slacks[within, _SINGULAR_LIMIT] = np.linalg.det(matrices) / self._home_determinant
         return slacks
-
-    def _determinant(self, poses: FloatArray) -> FloatArray:
-        """Return det G with L, shape (...)."""
-        return np.asarray(np.linalg.det(self.jacobian(poses)))
 
 
 def _defaults() -> Options:
