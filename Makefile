@@ -15,6 +15,8 @@ PLOT_OPTIONS ?=
 REGION ?= --where 'usable_workspace_area>=24' --where 'gci>=0.62'
 REGION_passive-leg ?= --where 'usable_workspace_area>=12' --where 'gci>=0.55'
 REGION_pentapod ?= --where 'usable_share>=0.5' --where 'gci>=0.02'
+FIGURES_pentapod-small-motions ?= $(FIGURES_pentapod)
+REGION_pentapod-small-motions ?= --where 'largest_limb_force<=12' --where 'gci>=0.02'
 
 BIN := $(VENV)/bin
 ATLAS := $(BIN)/atlas

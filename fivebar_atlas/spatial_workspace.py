@@ -14,7 +14,7 @@ import numpy as np
 
 from fivebar_atlas.errors import InputError
 from fivebar_atlas.level_curves import SampledField
-from fivebar_atlas.mechanisms.arrays import FloatArray, IntArray
+from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray, IntArray
 from fivebar_atlas.mechanisms.spatial import SpatialDesign
 
 #: Names of the coordinates of a position, in their order.
@@ -27,8 +27,11 @@ _COARSE = 25
 # Cells of a section along its longer side, and how far its outline may leave the boundary, as a
 # share of that.
 _SECTION_CELLS, _DEVIATION = 96, 2e-4
-# Cells of the grid of a surface along its longest side, and steps that bring its corners there.
-_SURFACE_CELLS, _CLOSINGS = 44, 8
+# Cells of the grid of a surface along its longest side. Steps that bring its corners to the
+# boundary, then halvings of what is left, and the slack at which they are there.
+_SURFACE_CELLS, _CLOSINGS, _HALVINGS, _CLOSED = 44, 10, 40, 1e-10
+# Share of its width that a box is widened by.
+_WIDER = 0.05
 # Least slacks are moved up by this, since outlines are sought at levels above 0.
 _RAISED = 1.0
 
@@ -138,6 +141,8 @@ def section_of(
         return section
     lower, upper = (corner[[first, second]] for corner in box)
     field = SampledField.over(raised, lower, upper, _SECTION_CELLS)
+    while _widen(field.values.T > _RAISED, lower, upper):
+        field = SampledField.over(raised, lower, upper, _SECTION_CELLS)
     deviation = _DEVIATION * float((upper - lower).max())
     loops = [loop for part in field.polygons(_RAISED, deviation) for loop in part]
     outlines = []
@@ -165,7 +170,7 @@ def surface_of(design: SpatialDesign, orientation: Orientation = (0.0, 0.0)) -> 
     Returns
     -------
     Surface or None
-        Vertices are on the boundary to about 1e-6 of its size; edges of the workspace are cut
+        Vertices are on the boundary but for rounding; edges of the workspace are cut
         off by less than a cell of a grid of 44 cells, and so the volume is a little too small.
     """
     from skimage.measure import marching_cubes
@@ -174,17 +179,16 @@ def surface_of(design: SpatialDesign, orientation: Orientation = (0.0, 0.0)) -> 
     if box is None:
         return None
     lower, upper = box
-    step = float((upper - lower).max()) / _SURFACE_CELLS
-    lines = [
-        low + step * (np.arange(int(np.ceil((high - low) / step)) + 3) - 1.0)
-        for low, high in zip(lower, upper, strict=True)
-    ]
-    grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
-    slack = _least(design, grid, orientation)
-    # closed where the box ends
-    for axis, end in itertools.product(range(3), (0, -1)):
-        side = np.moveaxis(slack, axis, 0)[end]
-        np.minimum(side, -1e-9, out=side)
+    while True:
+        step = float((upper - lower).max()) / _SURFACE_CELLS
+        lines = [
+            low + step * (np.arange(int(np.ceil((high - low) / step)) + 3) - 1.0)
+            for low, high in zip(lower, upper, strict=True)
+        ]
+        grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
+        slack = _least(design, grid, orientation)
+        if not _widen(slack > 0.0, lower, upper):
+            break
     find: Any = marching_cubes  # has no types
     found, faces, _, _ = find(slack, 0.0, gradient_direction="ascent")
     vertices = _closed_in(design, orientation, grid, slack, found.astype(np.float64))
@@ -206,23 +210,31 @@ def _closed_in(
 ) -> FloatArray:
     """Return where edges of the grid cross the boundary, near places counted in steps.
 
-    By the method of false position in the variant of Illinois, all edges at once.
+    By the method of false position in the variant of Illinois, then by halving, all edges at once.
     """
     low, high = np.floor(places).astype(np.int64), np.ceil(places).astype(np.int64)
     one, other = grid[tuple(low.T)], grid[tuple(high.T)]
     at_one, at_other = slack[tuple(low.T)], slack[tuple(high.T)]
     found: FloatArray = one + (places - low) * (other - one)
-    for _ in range(_CLOSINGS):
-        gap = at_one - at_other
-        share = np.where(gap == 0.0, 0.0, at_one / np.where(gap == 0.0, 1.0, gap))
-        found = one + np.clip(share, 0.0, 1.0)[:, None] * (other - one)
-        value = _least(design, found, orientation)
-        same = (value > 0.0) == (at_one > 0.0)
-        one = np.where(same[:, None], found, one)
-        other = np.where(same[:, None], other, found)
+    value = np.full(len(found), np.inf)
+    busy = np.arange(len(found))
+    for step in range(_CLOSINGS + _HALVINGS):
+        gap = at_one[busy] - at_other[busy]
+        share = np.where(gap == 0.0, 0.5, at_one[busy] / np.where(gap == 0.0, 1.0, gap))
+        if step >= _CLOSINGS:  # where limits meet, halving is what is sure
+            share = np.full(len(busy), 0.5)
+        found[busy] = one[busy] + np.clip(share, 0.0, 1.0)[:, None] * (other[busy] - one[busy])
+        value[busy] = _least(design, found[busy], orientation)
+        same = (value[busy] > 0.0) == (at_one[busy] > 0.0)
+        ours, theirs = busy[same], busy[~same]
         # what stays put counts half, so that it moves next time
-        at_other = np.where(same, 0.5 * at_other, value)
-        at_one = np.where(same, value, 0.5 * at_one)
+        one[ours], at_one[ours] = found[ours], value[ours]
+        at_other[ours] *= 0.5
+        other[theirs], at_other[theirs] = found[theirs], value[theirs]
+        at_one[theirs] *= 0.5
+        busy = busy[np.abs(value[busy]) > _CLOSED]
+        if not len(busy):
+            break
     return found
 
 
@@ -259,6 +271,16 @@ def _box(
         np.maximum(inside.min(axis=0) - room, lower),
         np.minimum(inside.max(axis=0) + room, upper),
     )
+
+
+def _widen(inside: BoolArray, lower: FloatArray, upper: FloatArray) -> bool:
+    """Widen a box where its grid has points of the workspace on a side; return whether it did."""
+    widened = False
+    for axis, (end, corner) in itertools.product(range(inside.ndim), ((0, lower), (-1, upper))):
+        if np.moveaxis(inside, axis, 0)[end].any():
+            corner[axis] += _WIDER * (upper - lower)[axis] * (1.0 if end else -1.0)
+            widened = True
+    return widened
 
 
 def _signed_area(corners: FloatArray) -> float:

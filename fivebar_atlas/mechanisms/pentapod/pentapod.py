@@ -337,7 +337,8 @@ class Pentapod(SpatialDesign):
         """Return how far positions are from every limit, with β and γ fixed and α solved for.
 
         Lengths of limbs and heights in units of H, joints by cosines, α in radians, det G as a
-        share of that at home, and 1 where another limit is passed. Where the revolute joint allows no α, the nearest to one is taken.
+        share of that at home, and 1 where another limit is passed. Where the revolute joint
+        allows no α, the nearest to one is taken.
         """
         poses = np.zeros((*positions.shape[:-1], 6))
         poses[..., :3] = positions
