@@ -28,7 +28,9 @@ ORDER = 6
 
 # Laguerre's steps at most; where zeros are double each takes away three quarters of the error.
 _STEPS = 30
-# Share of the greatest eigenvalue below which a step is rounding.
+# Where a step is less than this share of the one before, order three makes the next one rounding.
+_CUBIC = 1e-4
+# Share of the trace below which a step is rounding.
 _ROUNDING = 1e-15
 
 #: Work space: matrices in ``matrix`` (lower triangle, overwritten), results in ``least`` and
@@ -149,23 +151,31 @@ def find_extreme_eigenvalues(w: Eigenvalues, count: int) -> None:
     reduce_to_tridiagonal(w)
     d, e = w.main_diagonal, w.off_diagonal
     for k in range(LANES):
+        trace = d[0, k] + d[1, k] + d[2, k] + d[3, k] + d[4, k] + d[5, k]
+        squares = 2.0 * (e[0, k] + e[1, k] + e[2, k] + e[3, k] + e[4, k])
+        for i in range(ORDER):
+            squares += d[i, k] * d[i, k]
+        # Samuelson's bound of the greatest of numbers by their sum and that of their squares
+        excess = max(squares - trace * trace / 6.0, 0.0)
         w.least[k] = 0.0
-        # the trace bounds the greatest eigenvalue of a matrix without negative ones
-        w.greatest[k] = d[0, k] + d[1, k] + d[2, k] + d[3, k] + d[4, k] + d[5, k]
-        w.factor[k] = w.greatest[k]
+        w.greatest[k] = (trace / 6.0 + math.sqrt(5.0 / 6.0 * excess)) * (1.0 + _ROUNDING)
+        w.factor[k] = _ROUNDING * trace
     for side in range(2):
         x = w.least if side == 0 else w.greatest
         sign = 1.0 if side == 0 else -1.0
+        step, before = w.product[0], w.product[1]
+        for k in range(LANES):
+            before[k] = 0.0
         for _ in range(_STEPS):
             for k in range(LANES):
-                step = laguerre_step(
+                step[k] = laguerre_step(
                     x[k], sign, d[0, k], d[1, k], d[2, k], d[3, k], d[4, k], d[5, k],
                     e[0, k], e[1, k], e[2, k], e[3, k], e[4, k],
                 )  # fmt: skip
-                w.product[0, k] = step
-                x[k] += sign * step
+                x[k] += sign * step[k]
             moved = False
             for k in range(count):
-                moved |= w.product[0, k] > _ROUNDING * w.factor[k]
+                moved |= step[k] > max(_CUBIC * before[k], w.factor[k])
+                before[k] = step[k]
             if not moved:
                 break

@@ -29,7 +29,6 @@ from fivebar_atlas.mechanisms.pentapod.pose import (
     Design,
     set_orientation,
     set_position,
-    solve_alpha,
 )
 
 # Components of a horizontal unit vector that count as 0.
@@ -83,13 +82,18 @@ def range_of_alpha(
     if not design.nearest_square[box] * (wx * wx + wy * wy) > max(one * one, other * other):
         return first, last
     low, high = 2.0, -2.0
-    for corner in range(8):
-        x = least[0] if corner & 1 else greatest[0]
-        y = least[1] if corner & 2 else greatest[1]
-        z = least[2] if corner & 4 else greatest[2]
-        sine, cosine, _ = solve_alpha(design, x, y, z, sb, cb, sg, cg)
-        here = diamond_angle(sine, cosine)
-        low, high = min(low, here), max(high, here)
+    joint, branch = design.base_joints[LIMBS - 1], design.branch[0]
+    for corner in range(4):
+        x = joint[0] - (least[0] if corner & 1 else greatest[0])
+        y = joint[1] - (least[1] if corner & 2 else greatest[1])
+        p, q = x * wx + y * wy, y * wx - x * wy
+        square = p * p + q * q
+        for end in range(2):
+            c = one if end == 0 else other
+            root = branch * math.sqrt(max(square - c * c, 0.0))
+            # sine and cosine but for a factor, as in :func:`pose.solve_alpha`
+            here = diamond_angle(-c * q - root * p, -c * p + root * q)
+            low, high = min(low, here), max(high, here)
     if high - low > 2.0:
         # across the half turn
         return first, last

@@ -54,7 +54,7 @@ SINGULAR_POSES = 16
 _DEGENERATE = 1e-9
 # Points of a scrambling at most at a tolerance of 1e-3; a tighter one is worth more of them, and
 # this factor bounds the memory that they take.
-_MOST_POINTS, _MOST_FACTOR = 1 << 14, 8
+_MOST_POINTS, _MOST_FACTOR = 1 << 15, 4
 # Quantile of Student's t for the scrambling means: two-sided, 99.8 %.
 _STUDENT = 3.7328344253109
 # Shares of the box that may go unseen: with no more the odds of seeing nothing are 1 in 1,000.
