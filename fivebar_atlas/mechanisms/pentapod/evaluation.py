@@ -264,7 +264,8 @@ def _set_means(
     hits = float(sums[:, HITS].sum())
     unseen = _UNSEEN * float(sums[:, LARGEST].max()) / (SCRAMBLINGS * points)
     share, error = mean_and_error(sums[:, SHARE] / points)
-    out["usable_share"][n], out["usable_share_error"][n] = share, max(error, unseen)
+    # an estimate without bias may be above 1, what it estimates is not
+    out["usable_share"][n], out["usable_share_error"][n] = min(share, 1.0), max(error, unseen)
     status = 0 if max(error, unseen) <= tolerance else SHARE_TOLERANCE_NOT_REACHED
     if hits == 0.0:
         out["good_condition_share_error"][n] = unseen
@@ -280,7 +281,7 @@ def _set_means(
         parts = sums[:, SUMS + 2 * t]
         good, error = mean_and_error(parts / points)
         error = max(error, unseen)
-        out["good_condition_share"][n, t] = good
+        out["good_condition_share"][n, t] = min(good, 1.0)
         out["good_condition_share_error"][n, t] = error
         if error > tolerance:
             status |= SHARE_TOLERANCE_NOT_REACHED
