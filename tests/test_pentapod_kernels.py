@@ -429,6 +429,7 @@ def test_points_are_the_same_ones_and_every_level_goes_on() -> None:
         sampling.SCRAMBLINGS, sampling.FIRST_POINTS, sampling.DIMENSIONS
     )  # fmt: skip
     assert second.shape == first.shape
+    assert [sampling.points_up_to(n) // 256 for n in range(7)] == [1, 2, 3, 4, 6, 8, 12]
     assert sampling.points_of_level(0) is first
     for each in range(sampling.SCRAMBLINGS):
         both = np.concatenate([first[each], second[each]])

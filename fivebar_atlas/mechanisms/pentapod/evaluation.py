@@ -1,6 +1,6 @@
 """Evaluate designs of the pentapod: every quantity of its atlas, in compiled loops.
 
-What is integrated is the mean over Sobol points of several scramblings, doubled until the
+What is integrated is the mean over Sobol points of several scramblings, added to until the
 tolerance is reached; errors come from the scatter of the scramblings. Extremes are searched for
 from the worst points.
 """
@@ -36,10 +36,10 @@ from fivebar_atlas.mechanisms.pentapod.jacobian import jacobian, without_unit
 from fivebar_atlas.mechanisms.pentapod.kinematics import inverse_displacement
 from fivebar_atlas.mechanisms.pentapod.pose import set_orientation, set_position
 from fivebar_atlas.mechanisms.pentapod.sampling import (
-    FIRST_POINTS,
     SCRAMBLINGS,
     deviates,
     points_of_level,
+    points_up_to,
 )
 from fivebar_atlas.numerics.records import allocate_record
 
@@ -55,8 +55,10 @@ _DEGENERATE = 1e-9
 # Points of a scrambling at most at a tolerance of 1e-3; a tighter one is worth more of them, and
 # this factor bounds the memory that they take.
 _MOST_POINTS, _MOST_FACTOR = 1 << 15, 4
-# Quantile of Student's t for the scrambling means: two-sided, 99.8 %.
-_STUDENT = 3.7328344253109
+# Quantile of Student's t for the scrambling means: two-sided, 99.5 %.
+_STUDENT = 3.2860385709462347
+# Of shares of the box, absolute, and the volume, relative, errors may be so many tolerances.
+_SHARE_TOLERANCES = 2.0
 # Shares of the box that may go unseen: with no more the odds of seeing nothing are 1 in 1,000.
 _UNSEEN = math.log(1000.0)
 # Where there are few usable points their scatter tells little: this over the square of their
@@ -105,7 +107,8 @@ def evaluate_designs(
     lci_thresholds
         Thresholds in (0, 1), shape (k,).
     tolerance
-        Of what is integrated: relative for means and the volume, absolute for shares of the box.
+        Of means, relative; errors of the volume, relative, and of shares of the box, absolute,
+        may be twice that.
 
     Returns
     -------
@@ -230,7 +233,7 @@ def _set_boxes(design: Any, options: AtlasOptions) -> None:
 def _most_levels(tolerance: float) -> int:
     """Return how many levels of points there are at this tolerance."""
     factor = min(max(1e-3 / tolerance, 1.0), _MOST_FACTOR)
-    return int(math.log2(_MOST_POINTS * factor / FIRST_POINTS)) + 1
+    return next(n for n in range(100) if points_up_to(n) >= _MOST_POINTS * factor) + 1
 
 
 def _evaluate_box(
@@ -244,7 +247,7 @@ def _evaluate_box(
     status = 0
     for level in range(_most_levels(tolerance)):
         integrate(w, _BOX, points_of_level(level), thresholds, sums, values, coordinates)
-        status = _set_means(sums, FIRST_POINTS << level, thresholds, tolerance, out, n)
+        status = _set_means(sums, points_up_to(level), thresholds, tolerance, out, n)
         if status == 0:
             break
     has_singular = sums[:, SINGULAR].sum() > 0.0
@@ -266,7 +269,8 @@ def _set_means(
     share, error = mean_and_error(sums[:, SHARE] / points)
     # an estimate without bias may be above 1, what it estimates is not
     out["usable_share"][n], out["usable_share_error"][n] = min(share, 1.0), max(error, unseen)
-    status = 0 if max(error, unseen) <= tolerance else SHARE_TOLERANCE_NOT_REACHED
+    allowed = _SHARE_TOLERANCES * tolerance
+    status = 0 if max(error, unseen) <= allowed else SHARE_TOLERANCE_NOT_REACHED
     if hits == 0.0:
         out["good_condition_share_error"][n] = unseen
         return status | NO_USABLE_POSE
@@ -283,7 +287,7 @@ def _set_means(
         error = max(error, unseen)
         out["good_condition_share"][n, t] = min(good, 1.0)
         out["good_condition_share_error"][n, t] = error
-        if error > tolerance:
+        if error > allowed:
             status |= SHARE_TOLERANCE_NOT_REACHED
         if good > 0.0:
             mean, error = ratio_and_error(sums[:, SUMS + 2 * t + 1], parts)
@@ -296,13 +300,13 @@ def _set_means(
 
 
 def mean_and_error(values: FloatArray) -> tuple[float, float]:
-    """Return the mean of independent unbiased estimates and its error, at 99.8 %."""
+    """Return the mean of independent unbiased estimates and its error, at 99.5 %."""
     mean = float(values.mean())
     return mean, _STUDENT * float(values.std(ddof=1)) / math.sqrt(len(values))
 
 
 def ratio_and_error(above: FloatArray, below: FloatArray) -> tuple[float, float]:
-    """Return the ratio of the means of pairs of estimates and its error, at 99.8 %.
+    """Return the ratio of the means of pairs of estimates and its error, at 99.5 %.
 
     The error is linearised: that of the mean of the differences above - ratio below.
     """
@@ -337,11 +341,11 @@ def _evaluate_volume(w: Work, tolerance: float, out: dict[str, npt.NDArray[Any]]
     values, coordinates = np.empty((SCRAMBLINGS, 2)), np.empty((SCRAMBLINGS, 2, 5))
     for level in range(_most_levels(tolerance)):
         integrate(w, _VOLUME, points_of_level(level), none, sums, values, coordinates)
-        points = FIRST_POINTS << level
+        points = points_up_to(level)
         volume, error = mean_and_error(sums[:, SHARE] / points)
         if volume == 0.0:
             error = _UNSEEN * float(sums[:, LARGEST].max()) / (SCRAMBLINGS * points)
         out["workspace_volume"][n], out["workspace_volume_error"][n] = volume, error
-        if error <= tolerance * volume:
+        if error <= _SHARE_TOLERANCES * tolerance * volume:
             return 0
     return SHARE_TOLERANCE_NOT_REACHED

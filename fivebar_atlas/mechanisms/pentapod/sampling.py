@@ -6,6 +6,7 @@ each scrambling gives an unbiased estimate, and the scatter of these tells the e
 
 from __future__ import annotations
 
+import math
 import threading
 
 import numpy as np
@@ -16,13 +17,25 @@ from fivebar_atlas.mechanisms.arrays import FloatArray
 SCRAMBLINGS = 16
 #: Coordinates of a point: the five free ones of a pose, and one that chooses a pose on its line.
 DIMENSIONS = 6
-#: Points of each scrambling at level 0; each further level doubles all before it.
+#: Points of each scrambling at level 0.
 FIRST_POINTS = 256
 
 _SEED = 20170125
 _LOCK = threading.Lock()
 _LEVELS: list[FloatArray] = []
 _DEVIATES: list[FloatArray] = []
+
+
+def points_up_to(level: int) -> int:
+    """Return how many points of a scrambling there are up to a level, that level included.
+
+    256 times 1, 2, 3, 4, 6, 8, 12, 16, ...: powers of two, at which Sobol points are balanced best,
+    and one number between two of them, lest the last doubling be for nothing.
+    """
+    if level < 2:
+        return FIRST_POINTS << level
+    power, is_power = divmod(level, 2)
+    return FIRST_POINTS * ((2 << power) if is_power else (3 << (power - 1)))
 
 
 def points_of_level(level: int) -> FloatArray:
@@ -44,7 +57,8 @@ def points_of_level(level: int) -> FloatArray:
             from scipy.stats import qmc
 
             streams = np.random.SeedSequence(_SEED).spawn(SCRAMBLINGS)
-            total = FIRST_POINTS << level
+            # powers of two, as SciPy wants them
+            total = 1 << math.ceil(math.log2(points_up_to(level)))
             # the argument is named rng since SciPy 1.15, and seed goes on to be taken
             samples = np.stack(
                 [
@@ -53,8 +67,8 @@ def points_of_level(level: int) -> FloatArray:
                 ]
             )
             for each in range(len(_LEVELS), level + 1):
-                start = 0 if each == 0 else FIRST_POINTS << (each - 1)
-                part = np.ascontiguousarray(samples[:, start : FIRST_POINTS << each])
+                start = 0 if each == 0 else points_up_to(each - 1)
+                part = np.ascontiguousarray(samples[:, start : points_up_to(each)])
                 part.flags.writeable = False
                 _LEVELS.append(part)
         return _LEVELS[level]
