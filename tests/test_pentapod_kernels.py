@@ -480,7 +480,8 @@ def test_errors_reach_the_tolerance_or_the_status_says_so() -> None:
             *found["good_condition_share_error"][n],
             found["workspace_volume_error"][n] / found["workspace_volume"][n],
         ]
-        assert max(errors) <= 1e-2 or status & evaluation.SHARE_TOLERANCE_NOT_REACHED
+        # shares and the volume have twice the tolerance
+        assert max(errors) <= 2e-2 or status & evaluation.SHARE_TOLERANCE_NOT_REACHED
     # so few points cannot
     hard = evaluate([(0.9, 1.0)], options(), 1e-5)["status"][0]
     assert hard & evaluation.GCI_TOLERANCE_NOT_REACHED

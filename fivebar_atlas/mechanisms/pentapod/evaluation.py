@@ -65,7 +65,7 @@ _UNSEEN = math.log(1000.0)
 # number is added to the relative errors of means.
 _FEW = 25.0
 # Poses that the search for each extreme begins at, of different scramblings.
-_STARTS = 2
+_STARTS = 4
 
 _BOX, _VOLUME = range(2)
 # Arrays of results before those with thresholds, with errors beside where there are any.
