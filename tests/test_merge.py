@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import shutil
 from pathlib import Path
 
@@ -200,6 +201,9 @@ def test_commands_sweep_parts_and_merge_them(tmp_path: Path) -> None:
         assert "is complete already" in atlas(
             "sweep", *choice, "--shard", f"{number}/2", "-o", name, "--resume"
         )
+    said = atlas("info", names[0])
+    assert "part 1/2 of an atlas: " in said
+    assert json.loads(atlas("info", names[1], "--json"))["part"] == "2/2"
     atlas("sweep", *choice, "-o", tmp_path / "whole.h5")
     said = atlas("merge", *reversed(names), "-o", tmp_path / "merged.h5")
     assert "from 2 parts" in said

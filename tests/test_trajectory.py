@@ -27,9 +27,10 @@ from fivebar_atlas.errors import FileError, FileUsageError, InputError, MotionEr
 from fivebar_atlas.mechanisms.pentapod import jacobian, kinematics, singularity
 from fivebar_atlas.mechanisms.pentapod.geometry import PentapodGeometry
 from fivebar_atlas.store import open_atlas
+from fivebar_atlas.store.opening import format_of
 from fivebar_atlas.trajectories.motion_problem import Trajectory, solve_motion
 from fivebar_atlas.trajectories.trajectory_file import (
-    is_trajectory,
+    FORMAT,
     read_trajectory,
     write_table,
     write_trajectory,
@@ -263,14 +264,14 @@ def test_files_of_trajectories_and_of_atlases_are_told_apart(
 ) -> None:
     file = tmp_path / "motion.h5"
     write_trajectory(example, file)
-    assert is_trajectory(file)
+    assert format_of(file) == FORMAT
     with pytest.raises(FileError, match="is a trajectory, not an atlas"):
         open_atlas(file)
     other = tmp_path / "other.h5"
     with h5py.File(other, "w") as target:
         target.attrs["format"] = "fivebar-atlas"
-    assert not is_trajectory(other)
-    assert not is_trajectory(EXAMPLE)
+    assert format_of(other) != FORMAT
+    assert format_of(EXAMPLE) == ""
     with pytest.raises(FileError, match="no file written by atlas trajectory"):
         read_trajectory(other)
     with h5py.File(file, "r+") as target:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from typing import TYPE_CHECKING, Any
 
@@ -24,10 +25,13 @@ _WIDTH = 16
 def info(file: str, as_json: bool) -> None:
     """Say what is in a result file and how it was made."""
     from fivebar_atlas.store import open_atlas
-    from fivebar_atlas.trajectories.trajectory_file import is_trajectory
+    from fivebar_atlas.store.opening import format_of
+    from fivebar_atlas.store.provenance import PART_FORMAT
+    from fivebar_atlas.trajectories.trajectory_file import FORMAT as TRAJECTORY_FORMAT
 
-    if is_trajectory(file):
-        _say_of_trajectory(file, as_json)
+    others = {TRAJECTORY_FORMAT: _say_of_trajectory, PART_FORMAT: _say_of_part}
+    if (say := others.get(format_of(file))) is not None:
+        say(file, as_json)
         return
     with open_atlas(file) as atlas:
         document = _document(atlas)
@@ -45,6 +49,36 @@ def _say_of_trajectory(file: str, as_json: bool) -> None:
         click.echo(json.dumps(stored_document(stored), indent=2))
     else:
         click.echo("\n".join(stored_lines(stored)))
+
+
+def _say_of_part(file: str, as_json: bool) -> None:
+    """Say what is in a file with a part of an atlas."""
+    from pathlib import Path
+
+    from fivebar_atlas.store.parts import Part
+
+    with contextlib.closing(Part(Path(file))) as part:
+        own = sum(stop - start for start, stop in part.ranges)
+        document = {
+            "file": file,
+            "bytes": Path(file).stat().st_size,
+            "mechanism": part.settings.mechanism,
+            "part": f"{part.number}/{part.count}",
+            "designs": own,
+            "sweep_designs": part.designs,
+            "made": part.attributes,
+        }
+    if as_json:
+        click.echo(json.dumps(document, indent=2))
+        return
+    click.echo(f"{file} ({document['bytes']:,} bytes)")
+    click.echo(part.mechanism.title)
+    click.echo(
+        f"part {document['part']} of an atlas: {own:,} of {part.designs:,} designs; "
+        "'atlas merge' puts all parts together"
+    )
+    for name, value in part.attributes.items():
+        click.echo(f"  {name:16} {value}" if "\n" not in str(value) else f"  {name}:\n{value}")
 
 
 def _document(atlas: Atlas) -> dict[str, Any]:

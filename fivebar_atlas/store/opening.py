@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+import os
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fivebar_atlas import __version__
 from fivebar_atlas.errors import FileError, FileUsageError
 
 if TYPE_CHECKING:
@@ -43,10 +45,34 @@ def open_hdf5(path: Path) -> tuple[h5py.File, dict[str, Any]]:
         file = h5py.File(path, "r", locking=False)
     try:
         with reading(path):
-            return file, {name: _python(value) for name, value in file.attrs.items()}
+            return file, {name: plain_attribute(value) for name, value in file.attrs.items()}
     except BaseException:
         file.close()
         raise
+
+
+def format_of(path: str | os.PathLike[str]) -> str:
+    """Return the root attribute ``format``, what a file says it is; empty where there is none."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            return str(plain_attribute(file.attrs.get("format", "")))
+    except (OSError, RuntimeError):
+        return ""
+
+
+def check_version(path: Path, attributes: Mapping[str, Any], newest: int) -> None:
+    """Raise FileError unless the format version of a file can be read by this program."""
+    version = attributes.get("format_version")
+    if not isinstance(version, int):
+        raise FileError(path, "is damaged: it does not say its format version")
+    if version > newest:
+        raise FileError(
+            path,
+            f"has format version {version}; this program ({__version__}) reads up to "
+            f"{newest}, a newer one is needed",
+        )
 
 
 @contextlib.contextmanager
@@ -59,7 +85,7 @@ def reading(path: Path) -> Iterator[None]:
         raise FileError(path, f"is damaged: {detail}") from None
 
 
-def _python(value: Any) -> Any:
+def plain_attribute(value: Any) -> Any:
     """Return an attribute as a plain Python value."""
     if isinstance(value, bytes):
         return value.decode(errors="replace")

@@ -11,6 +11,7 @@ from fivebar_atlas import __version__, mechanisms
 from fivebar_atlas.errors import AtlasError, FileError
 from fivebar_atlas.mechanisms.base import Mechanism
 from fivebar_atlas.mechanisms.settings import SweepSettings
+from fivebar_atlas.store.opening import check_version
 from fivebar_atlas.versions import computing_versions
 
 FORMAT = "fivebar-atlas"
@@ -78,15 +79,7 @@ def interpret(
         if found == FORMAT:
             raise FileError(path, "holds a whole atlas, not a part of one")
         raise FileError(path, "is an HDF5 file, but not one written by atlas sweep")
-    version = attributes.get("format_version")
-    if not isinstance(version, int):
-        raise FileError(path, "is damaged: it does not say its format version")
-    if version > FORMAT_VERSION:
-        raise FileError(
-            path,
-            f"has format version {version}; this program ({__version__}) reads up to "
-            f"{FORMAT_VERSION}, a newer one is needed",
-        )
+    check_version(path, attributes, FORMAT_VERSION)
     try:
         settings = config.settings_from_text(str(attributes.get("configuration")), str(path))
         return mechanisms.get(settings.mechanism), settings

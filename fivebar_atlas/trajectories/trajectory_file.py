@@ -18,10 +18,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fivebar_atlas import __version__
-from fivebar_atlas.errors import FileError, FileUsageError
+from fivebar_atlas.errors import FileError
 from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.motions import Column, plain_unit
 from fivebar_atlas.output_file import atomic_output
+from fivebar_atlas.store.opening import check_version, open_hdf5, plain_attribute, reading
 
 if TYPE_CHECKING:
     from fivebar_atlas.trajectories.motion_problem import Trajectory
@@ -150,17 +151,6 @@ def write_table(trajectory: Trajectory, path: Path, overwrite: bool = False) -> 
         temporary.write_bytes(text.encode())
 
 
-def is_trajectory(path: str | os.PathLike[str]) -> bool:
-    """Return whether a file says that it is a trajectory; False where it cannot be read."""
-    import h5py
-
-    try:
-        with h5py.File(path, "r", locking=False) as file:
-            return bool(_python(file.attrs.get("format")) == FORMAT)
-    except (OSError, RuntimeError):
-        return False
-
-
 def read_trajectory(path: str | os.PathLike[str]) -> StoredTrajectory:
     """Read a trajectory file.
 
@@ -171,30 +161,17 @@ def read_trajectory(path: str | os.PathLike[str]) -> StoredTrajectory:
     FileError
         If it is no trajectory, is damaged, or of a newer format.
     """
-    import h5py
-
     path = Path(path)
-    if not path.is_file():
-        raise FileUsageError(path, "there is no such file")
-    try:
-        with h5py.File(path, "r", locking=False) as file:
-            attributes = {name: _python(value) for name, value in file.attrs.items()}
-            if attributes.get("format") != FORMAT:
-                raise FileError(path, "is no file written by atlas trajectory")
-            version = attributes.get("format_version")
-            if not isinstance(version, int) or version > FORMAT_VERSION:
-                raise FileError(
-                    path,
-                    f"has format version {version}; this program ({__version__}) reads up to "
-                    f"{FORMAT_VERSION}",
-                )
+    file, attributes = open_hdf5(path)
+    with file:
+        if attributes.get("format") != FORMAT:
+            raise FileError(path, "is no file written by atlas trajectory")
+        check_version(path, attributes, FORMAT_VERSION)
+        with reading(path):
             names = str(attributes["columns"]).split()
             columns = tuple(_column(name, file[name].attrs, file[name][()]) for name in names)
-            unit = str(_python(file[TIME].attrs["units"]))
+            unit = str(plain_attribute(file[TIME].attrs["units"]))
             return StoredTrajectory(path, file[TIME][()], unit, columns, attributes)
-    except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
-        detail = " ".join(str(error).split())
-        raise FileError(path, f"is damaged: {detail}") from None
 
 
 def _attributes(trajectory: Trajectory, command_line: str) -> dict[str, Any]:
@@ -219,7 +196,7 @@ def _attributes(trajectory: Trajectory, command_line: str) -> dict[str, Any]:
 def _column(name: str, attributes: Mapping[str, Any], values: FloatArray) -> Column:
     """Return a stored column."""
     symbol, unit, long_name, group = (
-        str(_python(attributes[key])) for key in ("symbol", "units", "long_name", "group")
+        str(plain_attribute(attributes[key])) for key in ("symbol", "units", "long_name", "group")
     )
     return Column(name, symbol, unit, long_name, group, values)
 
@@ -227,10 +204,3 @@ def _column(name: str, attributes: Mapping[str, Any], values: FloatArray) -> Col
 def _heading(column: Column) -> str:
     """Return name and unit of a column."""
     return column.name if column.unit == "1" else f"{column.name}_{plain_unit(column.unit, '.')}"
-
-
-def _python(value: Any) -> Any:
-    """Return an attribute as a plain Python value."""
-    if isinstance(value, bytes):
-        return value.decode(errors="replace")
-    return value.item() if isinstance(value, np.generic) else value
