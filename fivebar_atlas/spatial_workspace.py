@@ -16,6 +16,7 @@ from fivebar_atlas.errors import InputError
 from fivebar_atlas.level_curves import SampledField
 from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray, IntArray
 from fivebar_atlas.mechanisms.spatial import SpatialDesign
+from fivebar_atlas.surface_creases import cut_at_creases
 
 #: Names of the coordinates of a position, in their order.
 AXES = ("x", "y", "z")
@@ -170,8 +171,9 @@ def surface_of(design: SpatialDesign, orientation: Orientation = (0.0, 0.0)) -> 
     Returns
     -------
     Surface or None
-        Vertices are on the boundary but for rounding; edges of the workspace are cut
-        off by less than a cell of a grid of 44 cells, and so the volume is a little too small.
+        Vertices are on the boundary but for rounding, and triangles are cut along creases,
+        where limits meet; vertices of creases that are not found may be off by less than a
+        cell of a grid of 44 cells.
     """
     from skimage.measure import marching_cubes
 
@@ -192,12 +194,16 @@ def surface_of(design: SpatialDesign, orientation: Orientation = (0.0, 0.0)) -> 
     find: Any = marching_cubes  # has no types
     found, faces, _, _ = find(slack, 0.0, gradient_direction="ascent")
     vertices = _closed_in(design, orientation, grid, slack, found.astype(np.float64))
-    faces = faces.astype(np.int64)
+    vertices, faces, limits, _ = cut_at_creases(
+        lambda points: design.slacks(points, orientation, complete=True),
+        vertices,
+        faces.astype(np.int64),
+        2.0 * step,
+    )
     corners = vertices[faces]
     volume = float(np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])))
     if volume < 0.0:
         faces, volume = faces[:, ::-1], -volume
-    limits = np.argmin(design.slacks(corners.mean(axis=1), orientation), axis=-1)
     return Surface(vertices, faces, limits, volume / 6.0)
 
 

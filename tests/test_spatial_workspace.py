@@ -63,7 +63,13 @@ def test_surface_is_the_boundary_and_holds_the_volume() -> None:
     surface = surface_of(DESIGN)
     assert surface is not None
     slack = np.abs(least_slack(surface.vertices, (0.0, 0.0)))
-    assert slack.max() < 1e-6
+    # but for a few where limits hardly meet
+    assert np.mean(slack < 1e-8) > 0.98
+    assert slack.max() < 0.02
+    # the middle of a triangle is next to its limit
+    middles = DESIGN.slacks(surface.vertices[surface.faces].mean(axis=1), (0.0, 0.0), True)
+    own = np.take_along_axis(middles, surface.limits[:, None], axis=1)
+    assert np.quantile(np.abs(own), 0.99) < 5e-3
     # every edge belongs to two triangles, once each way: the surface is closed
     ends = np.concatenate([surface.faces[:, [k, (k + 1) % 3]] for k in range(3)])
     forward = {tuple(edge) for edge in ends.tolist()}
@@ -74,7 +80,7 @@ def test_surface_is_the_boundary_and_holds_the_volume() -> None:
     share = float(np.mean(least_slack(points, (0.0, 0.0)) > 0.0))
     box = float(np.prod(upper - lower))
     deviation = 4.0 * box * math.sqrt(share * (1.0 - share) / len(points))
-    assert abs(surface.volume - share * box) < deviation + 0.005 * surface.volume
+    assert abs(surface.volume - share * box) < deviation + 0.002 * surface.volume
 
 
 def test_surface_is_that_of_the_sections() -> None:

@@ -188,7 +188,9 @@ class SpatialDesign(ABC):
         """
 
     @abstractmethod
-    def slacks(self, positions: FloatArray, orientation: tuple[float, float]) -> FloatArray:
+    def slacks(
+        self, positions: FloatArray, orientation: tuple[float, float], complete: bool = False
+    ) -> FloatArray:
         """Return how far positions are from every limit of the workspace at an orientation.
 
         Parameters
@@ -197,6 +199,8 @@ class SpatialDesign(ABC):
             Positions of the platform's origin, shape (..., 3).
         orientation
             The two angles that are fixed; the third follows from the joints.
+        complete
+            Whether also those are computed that do not matter, since another limit is passed.
 
         Returns
         -------

@@ -14,9 +14,19 @@ from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray
 from fivebar_atlas.mechanisms.pentapod.atlas_options import OPTIONS, AtlasOptions
 from fivebar_atlas.mechanisms.pentapod.forward import ForwardDisplacement, forward_displacement
 from fivebar_atlas.mechanisms.pentapod.geometry import LIMBS, PentapodGeometry
-from fivebar_atlas.mechanisms.pentapod.jacobian import jacobian, jacobian_of, without_unit
+from fivebar_atlas.mechanisms.pentapod.jacobian import (
+    forward_acceleration,
+    forward_velocity,
+    hessians,
+    inverse_acceleration,
+    inverse_velocity,
+    jacobian,
+    jacobian_of,
+    without_unit,
+)
 from fivebar_atlas.mechanisms.pentapod.kinematics import (
     COORDINATES,
+    ConstraintSolutions,
     Limbs,
     check_poses,
     checked,
@@ -27,6 +37,7 @@ from fivebar_atlas.mechanisms.pentapod.kinematics import (
     solve_constraint,
 )
 from fivebar_atlas.mechanisms.pentapod.rotations import rotation_matrices, wrapped
+from fivebar_atlas.mechanisms.pentapod.singularity import Singularity, singularity
 from fivebar_atlas.mechanisms.pentapod.statics import joint_forces
 from fivebar_atlas.mechanisms.settings import Options
 from fivebar_atlas.mechanisms.spatial import (
@@ -203,6 +214,45 @@ class Pentapod(SpatialDesign):
         """Return (A_5 - B_5)·n6, 0 where the revolute joint allows a pose, shape (...)."""
         return constraint_residual(self.geometry, poses)
 
+    def solve_constraint(self, poses: npt.ArrayLike, coordinate: str) -> ConstraintSolutions:
+        """Return all poses that the revolute joint allows and that differ in one coordinate.
+
+        See :func:`kinematics.solve_constraint`.
+        """
+        return solve_constraint(self.geometry, poses, coordinate)
+
+    def nearest_valid_pose(self, poses: npt.ArrayLike) -> FloatArray:
+        """Return the nearest poses that the revolute joint allows, L for a radian, (..., 6)."""
+        return nearest_valid_pose(self.geometry, poses, self.characteristic_length)
+
+    def inverse_velocity(self, poses: npt.ArrayLike, twists: npt.ArrayLike) -> FloatArray:
+        """Return the rates of the limb lengths for twists (v, ω), shape (..., 5) (Eq. 8)."""
+        return inverse_velocity(self.geometry, poses, twists)
+
+    def forward_velocity(self, poses: npt.ArrayLike, limb_rates: npt.ArrayLike) -> FloatArray:
+        """Return twists (v, ω) for rates of the limb lengths, shape (..., 6) (Eq. 10)."""
+        return forward_velocity(self.geometry, poses, limb_rates)
+
+    def inverse_acceleration(
+        self, poses: npt.ArrayLike, twists: npt.ArrayLike, accelerations: npt.ArrayLike
+    ) -> FloatArray:
+        """Return the second derivatives of the limb lengths, shape (..., 5) (Eqs. 13-15)."""
+        return inverse_acceleration(self.geometry, poses, twists, accelerations)
+
+    def forward_acceleration(
+        self, poses: npt.ArrayLike, twists: npt.ArrayLike, limb_accelerations: npt.ArrayLike
+    ) -> FloatArray:
+        """Return (a, ε) for second derivatives of the limb lengths, shape (..., 6) (Eq. 15)."""
+        return forward_acceleration(self.geometry, poses, twists, limb_accelerations)
+
+    def hessians(self, poses: npt.ArrayLike) -> FloatArray:
+        """Return H_1 ... H_6 for twists (v, ω), shape (..., 6, 6, 6) (Eqs. 13 and 14)."""
+        return hessians(self.geometry, poses)
+
+    def singularity(self, poses: npt.ArrayLike) -> Singularity:
+        """Return how singular poses are, and of what kind, with L; see :mod:`singularity`."""
+        return singularity(self.geometry, poses, self.characteristic_length)
+
     def jacobian(self, poses: npt.ArrayLike) -> FloatArray:
         """Return G for twists (v, L ω), shape (..., 6, 6) (Eq. 10)."""
         return without_unit(jacobian(self.geometry, poses), self.characteristic_length)
@@ -333,18 +383,20 @@ class Pentapod(SpatialDesign):
             raise InputError("pose", tuple(coordinates), allowed)
         return tuple(found.poses[0].tolist())
 
-    def slacks(self, positions: FloatArray, orientation: tuple[float, float]) -> FloatArray:
+    def slacks(
+        self, positions: FloatArray, orientation: tuple[float, float], complete: bool = False
+    ) -> FloatArray:
         """Return how far positions are from every limit, with β and γ fixed and α solved for.
 
         Lengths of limbs and heights in units of H, joints by cosines, α in radians, det G as a
-        share of that at home, and 1 where another limit is passed. Where the revolute joint
-        allows no α, the nearest to one is taken.
+        share of that at home; unless all are wanted, that is 1 where another limit is passed.
+        Where the revolute joint allows no α, the nearest to one is taken.
         """
         poses = np.zeros((*positions.shape[:-1], 6))
         poses[..., :3] = positions
         poses[..., 4:] = orientation
         turned, room = self._with_alpha(poses)
-        slacks = self._slacks(turned)
+        slacks = self._slacks(turned, complete)
         slacks[..., _REVOLUTE_JOINT] = room / self.home_height
         return slacks
 
@@ -394,7 +446,7 @@ class Pentapod(SpatialDesign):
         turned[..., 3] = wrapped(np.arctan2(sine, cosine) + turn)
         return turned, amplitude - np.abs(middle)
 
-    def _slacks(self, poses: FloatArray) -> FloatArray:
+    def _slacks(self, poses: FloatArray, complete: bool = False) -> FloatArray:
         """Return how far poses are from every limit, shape (..., limits)."""
         given, height = self.assumptions, self.home_height
         rotations = rotation_matrices(poses[..., 3:])
@@ -427,7 +479,7 @@ class Pentapod(SpatialDesign):
         ]
         slacks: FloatArray = np.concatenate(parts, axis=-1)
         # what another limit excludes need not be looked at: this takes the longest
-        within = np.all(slacks >= 0.0, axis=-1)
+        within = np.all(slacks >= 0.0, axis=-1) | complete
         matrices = jacobian_of(
             self.geometry,
             poses[within][..., :3],
