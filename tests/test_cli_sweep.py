@@ -77,7 +77,8 @@ def test_ready_made_configurations_run(atlas: Command, tmp_path: Path, path: Pat
     wanted = config.resolve(path, config.Overrides(resolution=9)).settings
     with open_atlas(output) as opened:
         assert opened.settings == wanted
-        assert np.isfinite(opened.select("usable_workspace_area", opened.modes[0])).all()
+        name = opened.mechanism.region_quantities[0]
+        assert np.isfinite(opened.select(name, opened.modes[0])).all()
 
 
 @pytest.mark.usefixtures("toy")
