@@ -246,13 +246,7 @@ def level_regions(
     deviation
         How far the middle of a side may be from the curve; see :meth:`SampledField.polygons`.
     """
-    found = field.polygons(level, deviation)
-    if _merged(found) is not found:  # pieces of one part, thinner than the grid
-        field = field.finer(_FINER)
-        found = [
-            [field.settled(loop, level, deviation) for loop in part]
-            for part in _merged(field.polygons(level, deviation))
-        ]
+    found, field = separate_polygons(field, level, deviation)
     for peak in peaks:
         if not any(_is_within(peak, outline) for outline, *_ in found):
             found.extend(_small_parts(field, level, peak, deviation))
@@ -266,6 +260,24 @@ def level_regions(
         Region(loop(outline), tuple(loop(hole) for hole in holes)) for outline, *holes in found
     ]
     return tuple(sorted(parts, key=lambda part: -part.area))
+
+
+def separate_polygons(
+    field: SampledField, level: float, deviation: float
+) -> tuple[list[list[FloatArray]], SampledField]:
+    """Return the parts where a function is at least a level, none of which overlap.
+
+    Also the field that they are from: a finer one where a part is thinner than the grid, which
+    shows it as pieces.
+    """
+    found = field.polygons(level, deviation)
+    if _merged(found) is not found:
+        field = field.finer(_FINER)
+        found = [
+            [field.settled(loop, level, deviation) for loop in part]
+            for part in _merged(field.polygons(level, deviation))
+        ]
+    return found, field
 
 
 def _merged(parts: list[list[FloatArray]]) -> list[list[FloatArray]]:

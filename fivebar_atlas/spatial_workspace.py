@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fivebar_atlas.errors import InputError
-from fivebar_atlas.level_curves import SampledField
+from fivebar_atlas.level_curves import SampledField, separate_polygons
 from fivebar_atlas.mechanisms.arrays import BoolArray, FloatArray, IntArray
 from fivebar_atlas.mechanisms.spatial import SpatialDesign
 from fivebar_atlas.surface_creases import cut_at_creases
@@ -25,6 +25,8 @@ Orientation = tuple[float, float]
 
 # Samples along each axis that say in which box the workspace is.
 _COARSE = 25
+# Where they see nothing, so many of them are looked around, ever more closely so many times.
+_BEST, _ZOOMS = 64, 6
 # Cells of a section along its longer side, and how far its outline may leave the boundary, as a
 # share of that.
 _SECTION_CELLS, _DEVIATION = 96, 2e-4
@@ -145,7 +147,8 @@ def section_of(
     while _widen(field.values.T > _RAISED, lower, upper):
         field = SampledField.over(raised, lower, upper, _SECTION_CELLS)
     deviation = _DEVIATION * float((upper - lower).max())
-    loops = [loop for part in field.polygons(_RAISED, deviation) for loop in part]
+    parts, _ = separate_polygons(field, _RAISED, deviation)
+    loops = [loop for part in parts for loop in part]
     outlines = []
     for loop in loops:
         corners = loop[:-1] if np.array_equal(loop[0], loop[-1]) else loop
@@ -172,8 +175,9 @@ def surface_of(design: SpatialDesign, orientation: Orientation = (0.0, 0.0)) -> 
     -------
     Surface or None
         Vertices are on the boundary but for rounding, and triangles are cut along creases,
-        where limits meet; vertices of creases that are not found may be off by less than a
-        cell of a grid of 44 cells.
+        where limits meet. A few vertices may be off, by less than a cell of a grid of 44 cells:
+        of creases that are not found, and where α or det G jumps. The volume is too small by up
+        to a fifth where a workspace is no thicker than a cell; smaller parts may be missing.
     """
     from skimage.measure import marching_cubes
 
@@ -269,10 +273,22 @@ def _box(
     grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
     if axis is None:
         grid = np.vstack([grid, np.array(design.home[:3])])
-    inside = grid[_least(design, grid, orientation) > 0.0]
+    room = np.array([line[1] - line[0] if len(line) > 1 else 0.0 for line in lines])
+    slack = _least(design, grid, orientation)
+    inside = grid[slack > 0.0]
+    spacing = room
+    for _ in range(_ZOOMS):  # a workspace between the samples is next to the best of them
+        if len(inside):
+            break
+        best = grid[np.argsort(-slack, kind="stable")[:_BEST]]
+        spacing = 0.5 * spacing
+        around = spacing * np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=3)))
+        grid = np.unique((best[:, None] + around).reshape(-1, 3), axis=0)
+        grid = grid[np.all((grid >= lower) & (grid <= upper) | (room == 0.0), axis=-1)]
+        slack = _least(design, grid, orientation)
+        inside = grid[slack > 0.0]
     if not len(inside):
         return None
-    room = np.array([line[1] - line[0] if len(line) > 1 else 0.0 for line in lines])
     return (
         np.maximum(inside.min(axis=0) - room, lower),
         np.minimum(inside.max(axis=0) + room, upper),

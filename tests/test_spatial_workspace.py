@@ -59,6 +59,30 @@ def test_section_beyond_the_workspace_is_empty() -> None:
     assert section.area == 0.0
 
 
+def test_parts_of_a_section_do_not_overlap_where_it_is_thin() -> None:
+    options = {"axis_angle": 36.15, "offset": -0.7, "base_angle": 8.47, "position_angle": 30.32}
+    design = Pentapod.from_radii(1.0, 0.3084, 0.5881, options=tuple(options.items()))
+    section = section_of(design, 0, -0.1361)
+    corners = np.vstack([outline.corners for outline in section.outlines])
+    lower, upper = corners.min(axis=0) - 0.01, corners.max(axis=0) + 0.01
+    lines = [np.linspace(*ends, 401) for ends in zip(lower, upper, strict=True)]
+    grid = np.stack(np.meshgrid([-0.1361], *lines, indexing="ij"), axis=-1).reshape(-1, 3)
+    share = np.mean(design.slacks(grid, (0.0, 0.0)).min(axis=-1) > 0.0)
+    assert section.area == pytest.approx(share * np.prod(upper - lower), rel=0.015)
+
+
+def test_surface_smaller_than_the_samples_is_found() -> None:
+    options = (("offset", -0.7), ("base_angle", 16.88), ("position_angle", 10.381))
+    design = Pentapod.from_radii(1.0, 1.09655, 0.7724, options=options)
+    orientation = (-0.48785, 0.35215)
+    surface = surface_of(design, orientation)
+    assert surface is not None
+    lower, upper = surface.vertices.min(axis=0) - 0.02, surface.vertices.max(axis=0) + 0.02
+    points = lower + (upper - lower) * np.random.default_rng(0).random((40000, 3))
+    share = np.mean(design.slacks(points, orientation).min(axis=-1) > 0.0)
+    assert surface.volume == pytest.approx(share * np.prod(upper - lower), rel=0.3)
+
+
 def test_surface_is_the_boundary_and_holds_the_volume() -> None:
     surface = surface_of(DESIGN)
     assert surface is not None
