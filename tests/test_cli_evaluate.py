@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 from conftest import Command
 
+from fivebar_atlas.cli.evaluation_text import _line
+
 MODE_KEYS = {
     "working_mode",
     "assembly_mode",
@@ -102,6 +104,11 @@ def test_dimensional_lengths_scale_back(atlas: Command) -> None:
     assert "gci" not in scaled
     # The paper places the area of this machine between 9 and 10, its GCI near 0.4.
     assert 9.0 < mode["usable_workspace_area"] < 10.0
+
+
+def test_long_numbers_of_the_table_stay_apart() -> None:
+    words = _line("workspace_volume", "20.784546", "± 2.2e-02", "2.5980683e+09").split()
+    assert words == ["workspace_volume", "20.784546", "±", "2.2e-02", "2.5980683e+09"]
 
 
 def test_lengths_of_any_scale_are_the_same_design(atlas: Command) -> None:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import Command
+from matplotlib.text import Text
 
 from fivebar_atlas import Pentapod
+from fivebar_atlas.figures.spatial_linkage_figure import spatial_linkage_figure
 
 PENTAPOD = ("459.1", "400", "100", "--mechanism", "pentapod")
 MACHINE = Pentapod.from_radii(459.1, 400.0, 100.0, unit="mm")
@@ -41,6 +44,13 @@ def test_mechanism_is_drawn_at_home(atlas: Command, tmp_path: Path, ending: str)
     limbs = points_of(rows, "limb").reshape(5, 2, 3)
     lengths = [float(row["value"]) for row in rows if row["element"] == "limb"][::2]
     np.testing.assert_allclose(np.linalg.norm(limbs[:, 1] - limbs[:, 0], axis=1), lengths)
+
+
+def test_indices_of_a_pose_are_drawn_with_their_length() -> None:
+    figure = spatial_linkage_figure(MACHINE, MACHINE.pose(MACHINE.home))
+    said = " ".join(text.get_text() for text in figure.findobj(Text))
+    length = f"{MACHINE.characteristic_length:.5g}"
+    assert re.search(rf"LCI = .*\$L\$ =\s{length}", said)
 
 
 def test_coordinate_that_is_solved_for_completes_a_pose(atlas: Command, tmp_path: Path) -> None:
@@ -104,6 +114,7 @@ def test_same_figure_byte_for_byte(atlas: Command, tmp_path: Path) -> None:
         (("workspace", "--surface", "--section", "z=1"), "exclude each other"),
         (("workspace", "--view", "0", "20"), "--view is for --surface"),
         (("workspace", "--surface", "--orientation", "85", "85"), "there is a workspace"),
+        (("workspace", "--orientation", "100", "0"), "there is a workspace"),
     ],
 )
 def test_what_cannot_be_drawn_is_refused(

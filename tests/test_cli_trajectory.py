@@ -132,6 +132,16 @@ def test_poses_alone_with_a_machine_from_the_command_line(tmp_path: Path) -> Non
     assert "acceleration of gamma" in result.output
 
 
+def test_keys_that_a_table_of_poses_cannot_have_are_named_as_they_are_set(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    poses = write_poses(tmp_path / "poses.csv", smooth_poses(101))
+    said = refused(capsys, "trajectory", str(poses), "--set", "geometry.r_b=100")
+    assert "error: --set geometry.r_a is missing; expected a number, a length" in said
+    said = refused(capsys, "trajectory", str(tmp_path / "none.csv"))
+    assert "none.csv: there is no such file" in said
+
+
 def test_info_says_what_a_trajectory_file_is(plain: Path, tmp_path: Path) -> None:
     stored = tmp_path / "motion.h5"
     run("trajectory", str(plain), "-o", str(stored))

@@ -355,10 +355,10 @@ def test_table_and_functions_exclude_each_other(tmp_path: Path) -> None:
     columns["Fx"] = columns["t"]
     file = write_poses(tmp_path / "poses.csv", columns)
     for settings, message in (
-        ({"motion.duration": 4.0}, r"motion\.duration in .*its times count"),
-        ({"motion.samples": 4}, r"motion\.samples in .*its times count"),
-        ({"motion.coordinates.x": 4.0}, r"motion\.coordinates in .*no functions"),
-        ({"load.force": [1.0, 0.0, 0.0]}, r"load\.force in .*has columns of the load"),
+        ({"motion.duration": 4.0}, r"motion\.duration.*its times count"),
+        ({"motion.samples": 4}, r"motion\.samples.*its times count"),
+        ({"motion.coordinates.x": 4.0}, r"motion\.coordinates.*no functions"),
+        ({"load.force": [1.0, 0.0, 0.0]}, r"load\.force.*has columns of the load"),
     ):
         with pytest.raises(InputError, match=message):
             solve_motion(file, {**MACHINE, **settings})

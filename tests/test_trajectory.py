@@ -349,6 +349,21 @@ def test_joint_limits_say_which_limb_and_when(example: Trajectory) -> None:
         solve_motion(EXAMPLE, {f"limits.{name}_joint_limit": worst + 1e-3})
 
 
+def test_rounding_in_a_singular_pose_is_shown_as_0(plain: Path) -> None:
+    stops = {"kind": "stops", "times": [0, 4], "values": [500, -500]}
+    settings = {f"motion.coordinates.{name}": 0.0 for name in ("x", "alpha", "beta", "gamma")}
+    with pytest.raises(MotionError, match=r"singular .* x = 0 mm, y = 0 mm, z = 0 mm, alpha"):
+        solve_motion(plain, {**settings, "motion.coordinates.z": stops})
+
+
+@pytest.mark.filterwarnings("error")
+def test_limb_without_length_is_named(plain: Path) -> None:
+    radii = {"r_a": 100.0, "r_b": 100.0, "position_angle": 0.0}
+    settings = {f"motion.coordinates.{name}": 0.0 for name in ("x", "z", "alpha", "beta", "gamma")}
+    with pytest.raises(MotionError, match="limb 1 has no length"):
+        solve_motion(plain, {**settings, "geometry": radii})
+
+
 def test_broken_constraint_says_by_how_much_and_what_is_near(tmp_path: Path) -> None:
     columns = smooth_poses(101)
     columns["x"] = columns["x"] + 1.5

@@ -244,4 +244,4 @@ class EvaluationText:
 
 def _line(label: str, value: str, error: str = "", scaled: str = "") -> str:
     """Return a line of the table."""
-    return f"{label:{_LABEL_WIDTH}}{value:>14}{error:>12}{scaled:>13}".rstrip()
+    return f"{label:{_LABEL_WIDTH}}{value:>14}{error:>12} {scaled:>12}".rstrip()

@@ -87,7 +87,7 @@ def spatial_linkage_figure(
     rows = [
         [KeyEntry(text, {})] for text in (_pose_text(design, pose), _lengths_text(design, pose))
     ]
-    rows.append([KeyEntry(text, {}) for text in _index_texts(pose)])
+    rows.append([KeyEntry(text, {}) for text in _index_texts(design, pose)])
     with styled():
         frame = spatial_frame(
             bounds_on_paper(view.project(shown)),
@@ -287,21 +287,24 @@ def _number(value: float, scale: float) -> str:
 
 def _lengths_text(design: SpatialDesign, pose: SpatialPose) -> str:
     """Return the lengths of all limbs."""
-    texts = (
-        f"{limb.symbol} = {length_text(limb.length, design.unit, _DIGITS)}"
-        if design.unit
-        else f"{limb.symbol} = {number_text(limb.length, _DIGITS)}"
-        for limb in pose.limbs
+    return ", ".join(_length_of(limb.symbol, limb.length, design) for limb in pose.limbs)
+
+
+def _length_of(symbol: str, length: float, design: SpatialDesign) -> str:
+    """Return a length with its notation and unit, never broken into lines."""
+    value = (
+        length_text(length, design.unit, _DIGITS) if design.unit else number_text(length, _DIGITS)
     )
-    return ", ".join(text.replace(" ", "\N{NO-BREAK SPACE}") for text in texts)
+    return f"{symbol} = {value}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
-def _index_texts(pose: SpatialPose) -> list[str]:
-    """Return the indices of a pose; a singular one is said to be singular."""
+def _index_texts(design: SpatialDesign, pose: SpatialPose) -> list[str]:
+    """Return the indices of a pose and their L; a singular one is said to be singular."""
     if math.isinf(pose.largest_limb_force):
         return ["singular pose"]
     return [
         f"LCI = {pose.lci:.4g}",
         rf"least singular value {pose.least_singular_value:.4g}",
         f"largest limb force {pose.largest_limb_force:.4g} for a unit wrench",
+        _length_of("$L$", pose.characteristic_length, design),
     ]

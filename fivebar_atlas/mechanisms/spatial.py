@@ -86,6 +86,8 @@ class SpatialPose:
         Notation, joint and direction of the axis of a revolute joint.
     lci, least_singular_value, largest_limb_force
         Indices in this pose; the force is infinite in a singular one.
+    characteristic_length
+        Length L that makes turns and moments comparable with displacements and forces in them.
     """
 
     coordinates: tuple[float, ...]
@@ -100,6 +102,7 @@ class SpatialPose:
     lci: float
     least_singular_value: float
     largest_limb_force: float
+    characteristic_length: float
 
     @property
     def points(self) -> FloatArray:

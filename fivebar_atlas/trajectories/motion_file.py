@@ -187,6 +187,8 @@ def read_motion_file(
     path = Path(path)
     ending = path.suffix.lower()
     if ending == ".csv":
+        if not path.exists():
+            raise FileUsageError(path, "there is no such file")
         values: dict[str, Any] = {"motion": {"file": path.name}}
     elif ending == ".toml":
         values = _toml(path)
@@ -251,7 +253,12 @@ def checked_table(model: type[Table], values: Mapping[str, Any], name: str, sour
 
 
 def key_in(key: str, source: str) -> str:
-    """Return how a value of a file is named in messages: its dotted key and the file."""
+    """Return how a value of a file is named in messages: its dotted key and the file.
+
+    A table of poses has no keys: where it stands for a motion file, all are set besides.
+    """
+    if source.lower().endswith(".csv"):
+        return f"--set {key}"
     return f"{key} in {source}"
 
 

@@ -57,6 +57,7 @@ orientation_option = click.option(
 
 # Sections that are drawn if none is named, as shares of the height at home.
 _SECTIONS = (0.85, 1.0, 1.15)
+_NO_WORKSPACE = "an orientation at which there is a workspace"
 
 
 def is_spatial(mechanism: str | None) -> bool:
@@ -121,8 +122,7 @@ def draw_workspace(
         if surface:
             found = surface_of(design, turned)
             if found is None:
-                allowed = "an orientation at which there is a workspace"
-                raise InputError("--orientation", angles, allowed)
+                raise InputError("--orientation", angles, _NO_WORKSPACE)
             return surface_figure(design, found, turned, view=_view(view), **drawing)
         chosen = [_section(text) for text in sections]
         if not chosen:
@@ -130,6 +130,8 @@ def draw_workspace(
         if len({axis for axis, _ in chosen}) > 1:
             raise InputError("--section", ", ".join(sections), "sections across one axis only")
         parts = [section_of(design, axis, value, turned) for axis, value in chosen]
+        if not sections and not any(part.outlines for part in parts):
+            raise InputError("--orientation", angles, _NO_WORKSPACE)
         return section_figure(design, parts, turned, **drawing)
 
     _draw(make, **choices)

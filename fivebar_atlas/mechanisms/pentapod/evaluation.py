@@ -75,6 +75,8 @@ _PLAIN = (
     "home_lci", "home_least_singular_value", "home_largest_limb_force",
 )  # fmt: skip
 _THRESHOLD = ("good_condition_share", "good_condition_gci")
+# Those that are 0 where nothing is usable.
+_SHARES = ("usable_share", "workspace_volume", "good_condition_share")
 
 
 class _Kept(threading.local):
@@ -114,7 +116,8 @@ def evaluate_designs(
     -------
     dict
         Arrays by dataset name, shapes (n,) and (n, k). What does not exist is NaN, explained by
-        ``status``. Shares and volumes are 0 where nothing is usable.
+        ``status``. Shares and volumes are 0 where nothing is usable, and NaN, as all else is, of
+        a degenerate design.
     """
     count, kinds = len(designs), len(lci_thresholds)
     out: dict[str, npt.NDArray[Any]] = {}
@@ -127,14 +130,14 @@ def evaluate_designs(
             out[name] = np.full(shape, math.nan)
             if has_error:
                 out[f"{name}_error"] = np.full(shape, math.nan)
-    for name in ("usable_share", "workspace_volume", "good_condition_share"):
-        out[name][:] = out[f"{name}_error"][:] = 0.0
     out["status"] = np.zeros(count, dtype=np.int16)
     w = work_space()
     for n, (r_a, r_b) in enumerate(designs.tolist()):
         if not set_design(w, r_a, r_b, options, out, n):
             out["status"][n] = DEGENERATE_DESIGN
             continue
+        for name in _SHARES:
+            out[name][n] = out[f"{name}_error"][n] = 0.0
         status = _evaluate_box(w, lci_thresholds, tolerance, out, n)
         out["status"][n] = status | _evaluate_volume(w, tolerance, out, n)
     return out

@@ -347,6 +347,8 @@ def quadratic_terms_of(
 ) -> FloatArray:
     """Return Vᵀ H_i V without the matrices, by the formulas of :func:`hessians`; unchecked.
 
+    The value of a limb without length means nothing; callers refuse such limbs.
+
     Parameters
     ----------
     geometry
@@ -366,7 +368,8 @@ def quadratic_terms_of(
     speeds = linear + swing
     along = np.sum(speeds * limbs.directions, axis=-1)
     inward = np.sum(np.cross(turn, swing) * limbs.directions, axis=-1)
-    ours = (np.sum(speeds * speeds, axis=-1) - along**2) / limbs.lengths + inward
+    lengths = np.where(limbs.lengths > 0.0, limbs.lengths, 1.0)
+    ours = (np.sum(speeds * speeds, axis=-1) - along**2) / lengths + inward
     axis, arm = _constraint_line(geometry, positions, rotations)
     v, w = twists[..., :3], twists[..., 3:]
     spin = 2.0 * np.cross(axis, v) - np.cross(arm, np.cross(axis, w))

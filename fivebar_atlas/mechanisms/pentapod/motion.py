@@ -482,7 +482,9 @@ class PentapodMotionSolver:
         return f"t = {float(time):.6g} {self.units.time}"
 
     def _pose_text(self, pose: FloatArray) -> str:
-        """Return a pose with names and units."""
+        """Return a pose with names and units; what is rounding is 0."""
+        rounding = _SHORT * np.repeat([self.geometry.size, 1.0], 3)
+        pose = np.where(np.abs(pose) > rounding, pose, 0.0)
         shown = [*pose[:3], *np.degrees(pose[3:])]
         return ", ".join(
             f"{each.name} = {value + 0.0:.8g} {'deg' if each.is_angle else self.units.length}"

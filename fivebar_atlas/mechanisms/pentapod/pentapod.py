@@ -363,6 +363,7 @@ class Pentapod(SpatialDesign):
             lci=float(self.lci(pose)),
             least_singular_value=float(self.least_singular_value(pose)),
             largest_limb_force=float(self.largest_limb_force(pose)),
+            characteristic_length=self.characteristic_length,
         )
 
     def solved(self, coordinates: tuple[float, ...], name: str) -> tuple[float, ...]:
