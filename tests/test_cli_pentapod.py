@@ -190,3 +190,20 @@ def test_the_validation_page_has_the_values_of_the_designs_that_it_compares(atla
     for paper, other in zip(found[:3], found[3:], strict=True):
         assert all(theirs > ours for ours, theirs in zip(paper[:3], other[:3], strict=True))
         assert other[3] < paper[3]
+
+
+def test_an_atlas_without_values_has_no_optimum(tmp_path: Path, atlas: Command) -> None:
+    # with A_2 at 90 degrees A_5 is in the place of A_1
+    file = tmp_path / "degenerate.h5"
+    options = ("--set", "base_angle=90", "--resolution", 2)
+    assert atlas("sweep", *CHOSEN, *options, "-o", file).code == 0
+    outcome = atlas("optimum", file, "--maximise", "gci")
+    assert outcome.code == 1
+    assert "no design of the file has a value of gci" in outcome.err
+
+
+def test_a_front_that_nothing_is_on_is_polished_to_none(file: Path, atlas: Command) -> None:
+    front = ("--pareto", "gci,usable_share", "--polish", "--where", "usable_share>=2")
+    outcome = atlas("optimum", file, "--lci", 0.02, *front)
+    assert outcome.code == 0
+    assert "best values and where" in outcome.out

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from fivebar_atlas.errors import NoDesignError
 from fivebar_atlas.store import Atlas
 from fivebar_atlas.synthesis.conditions import Condition, rounded_margins
 from fivebar_atlas.synthesis.design_polygon import ON_SIDE, DesignPolygon
@@ -252,9 +253,17 @@ class Candidates:
         """Return an objective normalised by the designs of the lattice that fulfil all.
 
         Where none does, by all designs.
+
+        Raises
+        ------
+        NoDesignError
+            If no design has a value of every quantity.
         """
         values = self.values(objective.names)
         exists = np.isfinite(values).all(axis=0)
+        if not exists.any():
+            names = " and ".join(objective.names)
+            raise NoDesignError(f"no design of the file has a value of {names}")
         chosen = exists & self.fulfilled
         return objective.normalised(values[:, chosen if chosen.any() else exists])
 

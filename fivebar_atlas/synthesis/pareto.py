@@ -154,6 +154,8 @@ def polished_front(candidates: Candidates, front: ParetoFront) -> ParetoFront:
         worse in the others (the epsilon-constraint method) and fulfil the conditions;
         members that others dominate then are left out.
     """
+    if not len(front.designs):
+        return front
     exact = candidates.exact(front.names)
     atlas = candidates.atlas
     names, signs = front.names, np.array(front.signs)
@@ -161,7 +163,7 @@ def polished_front(candidates: Candidates, front: ParetoFront) -> ParetoFront:
     spans = np.array([float(np.ptp(row)) or 1.0 for row in front.values])
     objective = Objective(names[-1:], front.signs[-1:])
     rows = [exact.names.index(name) for name in names]
-    starting = exact.values(points)[rows] if len(points) else np.empty((len(rows), 0))
+    starting = exact.values(points)[rows]
     moved = points.copy()
     for member, start in enumerate(points):
         bounds = [
