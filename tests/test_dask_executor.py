@@ -7,13 +7,14 @@ import json
 import os
 import signal
 import socket
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from fivebar_atlas.dask_executor import DaskExecutor
-from fivebar_atlas.errors import ClusterError, FileError, InputError
+from fivebar_atlas.errors import ClusterError, FileError, InputError, MissingExtraError
 from fivebar_atlas.executors import LostTasksError
 
 pytest.importorskip("distributed")
@@ -87,6 +88,15 @@ def test_workers_of_another_version_are_refused() -> None:
     probe = functools.partial(of_this_process, os.getpid())
     with pytest.raises(ClusterError, match="has version old, this machine new"):
         DaskExecutor(probe, workers=1)
+
+
+def test_missing_package_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(
+        MissingExtraError, match=r"pip install 'fivebar-atlas\[cluster\]'"
+    ) as caught:
+        DaskExecutor(same_everywhere)
+    assert caught.value.exit_code == 2
 
 
 def test_unreachable_scheduler_says_how_long_it_tried() -> None:
