@@ -7,6 +7,7 @@ users run them, each in a process of its own; times are of whole processes, kern
 from __future__ import annotations
 
 import argparse
+import functools
 import os
 import sys
 import tempfile
@@ -97,8 +98,9 @@ def cluster(resolution: int) -> None:
             blocks = sum(1 for _ in work.run(executor))
             print(f"{threads} threads: {time.monotonic() - began:.2f} s, {blocks} blocks")
     taken = {}
+    probe = functools.partial(computing_versions, settings.mechanism)
     for workers in (1, 2):
-        with DaskExecutor(computing_versions, workers=workers) as executor:
+        with DaskExecutor(probe, workers=workers) as executor:
             # every worker loads its kernels
             list(Sweep(settings_of(60)).run(executor))
             times = []

@@ -91,7 +91,6 @@ def sweep(
 
 def _executor(configuration: Configuration) -> Executor:
     """Return where the blocks are computed."""
-    from fivebar_atlas import mechanisms
     from fivebar_atlas.executors import ThreadExecutor
 
     if configuration.executor == "threads":
@@ -99,9 +98,8 @@ def _executor(configuration: Configuration) -> Executor:
     from fivebar_atlas.dask_executor import DaskExecutor
     from fivebar_atlas.versions import computing_versions
 
-    packages = mechanisms.get(configuration.settings.mechanism).computed_with
     return DaskExecutor(
-        functools.partial(computing_versions, packages),
+        functools.partial(computing_versions, configuration.settings.mechanism),
         scheduler=configuration.scheduler,
         scheduler_file=configuration.scheduler_file,
         workers=configuration.threads,

@@ -24,10 +24,9 @@ def identity(settings: SweepSettings) -> dict[str, str]:
     """Return what must be the same for numbers to be the same, bit for bit."""
     from fivebar_atlas import config
 
-    packages = mechanisms.get(settings.mechanism).computed_with
     return {
         "configuration": config.render_settings(settings),
-        **computing_versions(packages),
+        **computing_versions(settings.mechanism),
     }
 
 
