@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas.errors import FileUsageError
+from fivebar_atlas.errors import FileError, FileUsageError
 from fivebar_atlas.output_file import unwritable
 
 #: Version of the layout of the folder.
@@ -30,6 +30,7 @@ LAYOUT = 1
 #: Name under which the result file is assembled in the folder.
 ASSEMBLED = "assembled.h5"
 
+_FOLDER = ".partial"
 _MANIFEST = "manifest.json"
 _LOCK = "lock"
 _BLOCK = "block-"
@@ -81,7 +82,7 @@ class UnfinishedSweep:
         resume: bool,
         restart: bool,
     ) -> None:
-        self.path = output.with_name(output.name + ".partial")
+        self.path = output.with_name(output.name + _FOLDER)
         self.finished: set[int] = set()
         self._ranges = ranges
         self._columns = columns
@@ -92,8 +93,10 @@ class UnfinishedSweep:
             self.path.mkdir(exist_ok=True)
             self._lock = (self.path / _LOCK).open("ab")
         try:
-            self._acquire()
-            found = self._manifest()
+            if not _acquired(self._lock):
+                raise FileUsageError(self.path, "another sweep is at work on this output")
+            with self._writing():
+                found = _manifest(self.path) if resume or not restart else None
             if found is not None and not (resume or restart) and self._has_blocks():
                 raise FileUsageError(
                     self.path,
@@ -107,7 +110,7 @@ class UnfinishedSweep:
             else:
                 self._accepted = True
                 with self._writing():
-                    self._clear()
+                    _clear(self.path)
                     self._write(_MANIFEST, json.dumps(wanted, indent=2).encode())
         except BaseException:
             self.close()
@@ -165,7 +168,7 @@ class UnfinishedSweep:
         if self._accepted and not self.finished:
             # What cannot be removed, or is the user's own, stays.
             with contextlib.suppress(OSError):
-                self._clear()
+                _clear(self.path)
                 (self.path / _LOCK).unlink(missing_ok=True)
                 self.path.rmdir()
         self._lock.close()
@@ -197,28 +200,6 @@ class UnfinishedSweep:
                 new.unlink(missing_ok=True)
             raise
 
-    def _acquire(self) -> None:
-        """Lock the folder, where the platform has locks that die with their process."""
-        if sys.platform == "win32" or self._lock is None:
-            return
-        import fcntl
-
-        try:
-            fcntl.flock(self._lock.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise FileUsageError(self.path, "another sweep is at work on this output") from None
-        except OSError:
-            # A network folder without locks: then nobody can be kept out.
-            return
-
-    def _manifest(self) -> dict[str, Any] | None:
-        """Return the manifest of the folder, None if there is no whole one."""
-        try:
-            found = json.loads((self.path / _MANIFEST).read_bytes())
-        except (FileNotFoundError, ValueError):
-            return None
-        return found if isinstance(found, dict) else None
-
     def _has_blocks(self) -> bool:
         """Return whether there is a block, whole or not."""
         return any(entry.name.startswith(_BLOCK) for entry in self.path.iterdir())
@@ -229,11 +210,76 @@ class UnfinishedSweep:
             if self.read(index) is not None:
                 yield index
 
-    def _clear(self) -> None:
-        """Remove what a sweep has put into the folder, except the lock."""
-        for entry in self.path.iterdir():
-            if entry.name.startswith((_MANIFEST, _BLOCK)) or entry.name == ASSEMBLED:
-                entry.unlink(missing_ok=True)
+
+def remove_leftover(output: Path, own: Mapping[str, str]) -> None:
+    """Remove the blocks of a sweep that ended between giving its file the name and removing them.
+
+    Parameters
+    ----------
+    output
+        The result file, which is complete.
+    own
+        What the manifest must say, lest the blocks of another sweep are lost.
+    """
+    path = output.with_name(output.name + _FOLDER)
+    # A folder that is not there, or cannot be removed, is nobody's loss.
+    with contextlib.suppress(OSError, FileError), (path / _LOCK).open("ab") as lock:
+        manifest = _manifest(path)
+        # Without a manifest, blocks cannot be gone on with anyway.
+        is_own = manifest is None or all(manifest.get(name) == own[name] for name in own)
+        if is_own and _acquired(lock):
+            _clear(path)
+            (path / _LOCK).unlink(missing_ok=True)
+            path.rmdir()
+
+
+def _manifest(path: Path) -> dict[str, Any] | None:
+    """Return the manifest in a folder, None if there is none.
+
+    Raises
+    ------
+    FileError
+        If it is damaged; it was on the disk before the first block, so no interruption does that.
+    """
+    try:
+        found = json.loads((path / _MANIFEST).read_bytes())
+    except FileNotFoundError:
+        return None
+    except ValueError:
+        found = None
+    if not isinstance(found, dict):
+        raise FileError(
+            path,
+            f"its {_MANIFEST} is damaged, so nobody knows what its blocks are of; "
+            "--overwrite without --resume starts again",
+        )
+    return found
+
+
+def _acquired(lock: io.IOBase) -> bool:
+    """Lock a file, where the platform has locks that die with their process.
+
+    Returns whether nobody else has it locked.
+    """
+    if sys.platform == "win32":
+        return True
+    import fcntl
+
+    try:
+        fcntl.flock(lock.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        # A network folder without locks: then nobody can be kept out.
+        return True
+    return True
+
+
+def _clear(path: Path) -> None:
+    """Remove what a sweep has put into its folder, except the lock; the manifest goes last."""
+    for entry in sorted(path.iterdir(), key=lambda entry: entry.name.startswith(_MANIFEST)):
+        if entry.name.startswith((_MANIFEST, _BLOCK)) or entry.name == ASSEMBLED:
+            entry.unlink(missing_ok=True)
 
 
 def _check_manifest(path: Path, found: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:

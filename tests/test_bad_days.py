@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
 import os
 import random
 import shutil
@@ -13,32 +15,16 @@ from pathlib import Path
 
 import pytest
 from conftest import Command
+from test_merge import write_part
 from test_resume import STALLING, TOY, Start, assert_same_data, blocks, wait_for
 from test_store import write
 
 from fivebar_atlas import open_atlas
 from fivebar_atlas.errors import AtlasError, FileError
 from fivebar_atlas.mechanisms.settings import SweepSettings
+from fivebar_atlas.store.parts import Part
+from fivebar_atlas.sweep import Shard
 from fivebar_atlas.unfinished_sweep import UnfinishedSweep
-
-# Runs the command line with the toy mechanism, whose blocks take a while.
-SLOW = """
-import sys, time
-from fivebar_atlas import mechanisms
-from fivebar_atlas.cli import main
-
-mechanisms._REGISTRY["toy"] = "toy_mechanism:ToyMechanism"
-mechanism = mechanisms.get("toy")
-honest = mechanism.evaluate
-
-def slow(parameters, settings):
-    time.sleep(0.01)
-    return honest(parameters, settings)
-
-mechanism.evaluate = slow
-sys.argv = ["atlas", *sys.argv[1:]]
-main()
-"""
 
 
 def mounted(folder: Path, options: str) -> bool:
@@ -112,28 +98,18 @@ def test_read_only_folder_is_refused_before_any_work(
     assert list(disk.iterdir()) == []
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_killed_at_a_random_moment(
-    toy: str,  # noqa: ARG001
-    start: Start,
-    atlas: Command,
-    tmp_path: Path,
-    seed: int,
-) -> None:
-    """Some moments are before the work, some within, some while the file is assembled."""
-    moments = random.Random(seed)
-    output = tmp_path / "atlas.h5"
-    process = start(SLOW, "sweep", *TOY, "-o", output, "--threads", 1)
-    try:
-        process.wait(moments.uniform(0.3, 1.5))
-    except subprocess.TimeoutExpired:
-        process.send_signal(signal.SIGKILL)
-        process.wait()
-    if output.exists():  # the name is given to whole files only
-        open_atlas(output).close()
-    atlas("sweep", *TOY, "-o", output, "--resume")
-    assert_same_data(output, write_toy(tmp_path / "reference.h5"))
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["atlas.h5", "reference.h5"]
+def test_hundred_kills_at_random_moments(tmp_path: Path) -> None:
+    """Moments before the work, within it, while the file is assembled, and after all that."""
+    script = Path(__file__).with_name("kill_sweeps.py")
+    command = [sys.executable, str(script), str(tmp_path), "100"]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+    found = json.loads(run.stdout)
+    assert found["same"] == 100
+    # all kinds of moments were among them
+    assert found["killed"] > 50
+    assert found["kept_blocks"] > 25
+    assert found["had_result"] > 0
 
 
 def write_toy(output: Path) -> Path:
@@ -159,27 +135,63 @@ def test_flipped_bit_in_a_finished_block_is_computed_again(
     assert_same_data(output, write_toy(tmp_path / "reference.h5"))
 
 
-def test_flipped_bits_in_a_result_file_never_pass_unnoticed(
-    tmp_path: Path, toy_settings: SweepSettings
+def contents(path: Path) -> dict[str, object]:
+    """Return everything in an atlas: values, and how it was made."""
+    with open_atlas(path) as atlas:
+        return {**atlas.attributes, **{name: atlas[name].tobytes() for name in atlas.names}}
+
+
+def part_contents(path: Path) -> dict[str, object]:
+    """Return everything in a part of one."""
+    with contextlib.closing(Part(path)) as part:
+        records = [part.records(block).tobytes() for block in range(len(part.ranges))]
+        return {**part.attributes, "records": records, "ranges": part.ranges}
+
+
+@pytest.mark.parametrize("kind", ["atlas", "part"])
+def test_flipped_bits_in_a_file_never_pass_unnoticed(
+    tmp_path: Path, toy_settings: SweepSettings, kind: str
 ) -> None:
-    """Whatever bit flips: either the numbers are those that were written, or there is an error."""
-    output = write(tmp_path / "toy.h5", toy_settings)
-    with open_atlas(output) as atlas:
-        expected = {name: atlas[name].tobytes() for name in atlas.names}
+    """Whatever bit flips: either all is as it was written, or there is an error."""
+    if kind == "atlas":
+        output, read = write(tmp_path / "toy.h5", toy_settings), contents
+    else:
+        output, read = write_part(tmp_path / "1.h5", toy_settings, Shard(1, 2)), part_contents
+    expected = read(output)
     data, places, noticed = output.read_bytes(), random.Random(1), 0
     flipped = tmp_path / "flipped.h5"
-    for _ in range(300):
+    for _ in range(1000):
         damaged = bytearray(data)
         damaged[places.randrange(len(data))] ^= 1 << places.randrange(8)
         flipped.write_bytes(damaged)
         try:
-            with open_atlas(flipped) as atlas:
-                found = {name: atlas[name].tobytes() for name in atlas.names}
+            found = read(flipped)
         except AtlasError:
             noticed += 1
         else:
             assert found == expected
-    assert noticed > 50
+    assert noticed > 950
+
+
+@pytest.mark.parametrize("kind", ["atlas", "part"])
+def test_truncated_files_never_pass_unnoticed(
+    tmp_path: Path, toy_settings: SweepSettings, kind: str
+) -> None:
+    if kind == "atlas":
+        output, read = write(tmp_path / "toy.h5", toy_settings), contents
+    else:
+        output, read = write_part(tmp_path / "1.h5", toy_settings, Shard(1, 2)), part_contents
+    expected = read(output)
+    data, lengths = output.read_bytes(), random.Random(2)
+    for length in [0, 1, len(data) - 1, *(lengths.randrange(len(data)) for _ in range(100))]:
+        output.write_bytes(data[:length])
+        try:
+            found = read(output)
+        except AtlasError:
+            continue
+        # nothing but the line with the checksum was cut
+        assert length > len(data) - 40
+        assert found == expected
 
 
 def test_reader_during_the_write_sees_the_old_file_and_then_the_new_one(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import signal
 import subprocess
 import time
@@ -261,6 +262,19 @@ def test_resuming_with_other_kernels_is_refused(
     assert "--overwrite" in message
 
 
+@pytest.mark.parametrize("damage", [b"", b"{", b"[]", b"\xff"])
+def test_resuming_with_a_damaged_manifest_is_refused(
+    interrupted: Path, refused: Callable[..., str], damage: bytes
+) -> None:
+    before = [path.read_bytes() for path in blocks(interrupted)]
+    (interrupted.with_name("atlas.h5.partial") / "manifest.json").write_bytes(damage)
+    for resume in ((), ("--resume",)):
+        message = refused("sweep", *TOY, "-o", interrupted, *resume, code=1)
+        assert "manifest.json is damaged" in message
+        assert "--overwrite without --resume starts again" in message
+    assert [path.read_bytes() for path in blocks(interrupted)] == before
+
+
 def test_kernels_that_changed_are_noticed(
     interrupted: Path, refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -307,6 +321,21 @@ def test_resuming_what_is_complete_changes_nothing(
     other = (*TOY[:2], "--resolution", 100, *TOY[4:])
     assert "exists already" in refused("sweep", *other, "-o", output, "--resume")
     assert output.read_bytes() == before
+
+
+@pytest.mark.parametrize("resolution", [200, 100])
+def test_blocks_beside_a_complete_file(
+    interrupted: Path, atlas: Command, tmp_path: Path, resolution: int
+) -> None:
+    """Those that a kill has left of the same sweep go; those of another one are work to keep."""
+    other = (*TOY[:2], "--resolution", resolution, *TOY[4:])
+    output = tmp_path / "complete.h5"
+    assert atlas("sweep", *other, "-o", output).code == 0
+    left = shutil.copytree(
+        interrupted.with_name("atlas.h5.partial"), tmp_path / "complete.h5.partial"
+    )
+    assert "complete already" in atlas("sweep", *other, "-o", output, "--resume").err
+    assert left.exists() == (resolution != 200)
 
 
 def test_interrupted_overwriting_leaves_the_old_file(

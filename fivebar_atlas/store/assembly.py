@@ -25,6 +25,7 @@ from fivebar_atlas.store.schema import (
     create_ranges,
     normalisation_attributes,
 )
+from fivebar_atlas.store.seal import seal
 
 if TYPE_CHECKING:
     import h5py
@@ -97,6 +98,7 @@ class ResultFile:
                 guarded = GuardedFile(file)
                 self._write_hdf5(guarded, records)
                 guarded.check()
+                seal(file)
                 os.fsync(file.fileno())
             put_in_place(temporary, output, overwrite)
         except OSError as error:

@@ -12,6 +12,7 @@ import numpy as np
 
 from fivebar_atlas import __version__
 from fivebar_atlas.errors import FileError, FileUsageError
+from fivebar_atlas.store.seal import check_seal
 
 if TYPE_CHECKING:
     import h5py
@@ -40,6 +41,8 @@ def open_hdf5(path: Path) -> tuple[h5py.File, dict[str, Any]]:
         raise FileError(path, f"cannot be read: {error.strerror}") from None
     if not h5py.is_hdf5(path):
         raise FileError(path, "is not an HDF5 file")
+    with reading(path):
+        check_seal(path)
     with reading(path):
         # Result files never change once they have their name, so no lock is needed.
         file = h5py.File(path, "r", locking=False)

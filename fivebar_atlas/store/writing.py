@@ -20,7 +20,7 @@ from fivebar_atlas.store.assembly import Range, ResultFile, record_type
 from fivebar_atlas.store.parts import Part
 from fivebar_atlas.store.provenance import identity, part_attributes, provenance
 from fivebar_atlas.store.reading import open_atlas
-from fivebar_atlas.unfinished_sweep import ASSEMBLED, UnfinishedSweep
+from fivebar_atlas.unfinished_sweep import ASSEMBLED, UnfinishedSweep, remove_leftover
 
 
 class AtlasWriter:
@@ -162,6 +162,8 @@ def is_complete(
 ) -> bool:
     """Return whether a file holds the result of these settings by these kernels.
 
+    If it does, blocks that a kill has left of the very sweep are removed.
+
     Parameters
     ----------
     output
@@ -175,6 +177,9 @@ def is_complete(
     try:
         found = open_atlas(output) if part is None else Part(Path(output))
         with contextlib.closing(found):
-            return all(found.attributes.get(name) == value for name, value in own.items())
+            complete = all(found.attributes.get(name) == value for name, value in own.items())
     except AtlasError:
         return False
+    if complete:
+        remove_leftover(Path(output), own)
+    return complete

@@ -23,6 +23,7 @@ from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.motions import Column, plain_unit
 from fivebar_atlas.output_file import atomic_output
 from fivebar_atlas.store.opening import check_version, open_hdf5, plain_attribute, reading
+from fivebar_atlas.store.seal import seal
 
 if TYPE_CHECKING:
     from fivebar_atlas.trajectories.motion_problem import Trajectory
@@ -117,6 +118,7 @@ def write_trajectory(
                 error = trajectory.errors.get(f"{what} of {column.name}")
                 if error is not None:
                     dataset.attrs[f"{what}_error"] = error
+    seal(picture)
     with atomic_output(path, overwrite) as temporary:
         temporary.write_bytes(picture.getbuffer())
 
