@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from fivebar_atlas.cli import options
+from fivebar_atlas.cli.progress import Progress
 
 
 @click.command()
@@ -28,6 +29,9 @@ def merge(parts: tuple[str, ...], output: Path, overwrite: bool, quiet: bool) ->
     from fivebar_atlas.store import merge as merge_parts
 
     command_line = shlex.join(["atlas", *sys.argv[1:]])
-    count = merge_parts(parts, output, overwrite=overwrite, command_line=command_line)
+    with Progress(0, quiet=quiet) as progress:
+        count = merge_parts(
+            parts, output, overwrite=overwrite, command_line=command_line, report=progress.reach
+        )
     if not quiet:
         click.echo(f"{output}: {count:,} designs from {len(parts)} parts", err=True)

@@ -27,7 +27,7 @@ class Progress:
     Parameters
     ----------
     total
-        Number of them.
+        Number of them; 0 if that is told only by :meth:`reach`.
     finished
         Those finished before the start, which do not count for the speed.
     quiet
@@ -56,7 +56,7 @@ class Progress:
         # Time and count after the first block: before it lies the loading of the kernels,
         # on their first run their compilation, which says nothing of the speed.
         self._first: tuple[float, int] | None = None
-        if self._terminal:
+        if self._terminal and total:
             self._write()
 
     def __enter__(self) -> Self:
@@ -68,7 +68,7 @@ class Progress:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        if self._terminal and not self._quiet:
+        if self._terminal and self._total and not self._quiet:
             self._write()
             self._stream.write("\n")
             self._stream.flush()
@@ -83,6 +83,11 @@ class Progress:
         if now - self._written >= pause:
             self._written = now
             self._write()
+
+    def reach(self, finished: int, total: int) -> None:
+        """Take note that so many of so many are finished."""
+        self._total = total
+        self.advance(finished - self._finished)
 
     def _write(self) -> None:
         """Write the present state."""

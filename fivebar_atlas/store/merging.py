@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from fivebar_atlas.errors import FileError, FileUsageError
 from fivebar_atlas.output_file import check_is_no_input, check_output
 from fivebar_atlas.store.assembly import ResultFile
 from fivebar_atlas.store.parts import Part
 from fivebar_atlas.store.provenance import FORMAT, provenance
-
-if TYPE_CHECKING:
-    pass
 
 # Root attributes that may differ from part to part.
 _OWN = frozenset({"part", "command_line", "created", "package_version"})
@@ -31,6 +29,7 @@ def merge(
     *,
     overwrite: bool = False,
     command_line: str = "",
+    report: Callable[[int, int], None] | None = None,
 ) -> int:
     """Write the atlas that parts of a sweep make up.
 
@@ -46,6 +45,8 @@ def merge(
         Replace an existing result file, once the new one is complete.
     command_line
         The command, for the record.
+    report
+        Called again and again with the number of designs put together and of all.
 
     Returns
     -------
@@ -81,9 +82,22 @@ def merge(
         }
         file = ResultFile(first.settings, designs, attributes)
         temporary = output.with_name(f".{output.stem}.{os.getpid()}.part{output.suffix}")
-        records = (part.records(block) for part, block in order)
+        records = _records(order, len(designs), report)
         file.write(temporary, output, records, overwrite=overwrite)
     return len(designs)
+
+
+def _records(
+    order: Sequence[tuple[Part, int]], total: int, report: Callable[[int, int], None] | None
+) -> Iterator[npt.NDArray[Any]]:
+    """Yield the records of blocks of parts, in this order."""
+    finished = 0
+    for part, block in order:
+        records = part.records(block)
+        yield records
+        finished += len(records)
+        if report is not None:
+            report(finished, total)
 
 
 def _check_belonging(parts: Sequence[Part]) -> None:
