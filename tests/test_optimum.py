@@ -21,10 +21,12 @@ from fivebar_atlas.errors import InputError, UnknownNameError
 from fivebar_atlas.mechanisms.five_bar import design_space
 from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.store import Atlas, AtlasWriter, open_atlas
+from fivebar_atlas.synthesis import maximise as maximise_module
 from fivebar_atlas.synthesis.candidates import Candidates
-from fivebar_atlas.synthesis.conditions import check_contradictions, parse_condition
+from fivebar_atlas.synthesis.conditions import Condition, check_contradictions, parse_condition
 from fivebar_atlas.synthesis.design_polygon import DesignPolygon
 from fivebar_atlas.synthesis.empty_region import explain_emptiness
+from fivebar_atlas.synthesis.exact_values import ExactValues
 from fivebar_atlas.synthesis.maximise import local_maxima, maximise
 from fivebar_atlas.synthesis.objectives import Objective, parse_objective
 
@@ -43,6 +45,22 @@ def five_bar(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Atlas]:
 
 def under(atlas: Atlas, *texts: str) -> Candidates:
     return Candidates(atlas, [parse_condition(text) for text in texts])
+
+
+def test_a_condition_is_active_within_the_error_of_its_value(
+    five_bar: Atlas, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where values hold to a tolerance only; where they are exact, within rounding."""
+    exact = ExactValues.of_atlas(five_bar, ["gci"], tolerance=1e-3)
+    point = exact.polygon.corners.mean(axis=0)
+    values, errors = exact.values_and_errors(exact.designs(point[np.newaxis]))
+    assert 0.5 * errors[0, 0] > maximise_module.ACTIVE
+    condition = Condition("gci", ">=", float(values[0, 0] - 0.5 * errors[0, 0]))
+    objective = Objective(("gci",), (1.0,))
+    search = maximise_module._Search(exact, objective, [condition], np.ones(1), 1.0)
+    assert maximise_module._optimum(search, objective, point, True).active == ()
+    monkeypatch.setattr(type(exact.mechanism), "exact_tolerance", None)
+    assert maximise_module._optimum(search, objective, point, True).active == (condition,)
 
 
 def random_designs(count: int, seed: int) -> FloatArray:

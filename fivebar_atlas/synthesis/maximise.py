@@ -25,7 +25,8 @@ from fivebar_atlas.synthesis.objectives import Objective
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-#: A condition is active where its margin is below this share of its scale.
+#: A condition is active where its margin is below this share of its scale, or below the error of
+#: a value that is not as good as exact.
 ACTIVE = 1e-7
 
 # Stands for values that do not exist; far below any scaled margin or objective.
@@ -115,6 +116,10 @@ class _Search:
         for condition, row, scale in zip(self.conditions, self._rows, self._scales, strict=True):
             rows.append(condition.margin(values[row]) / scale)
         return np.array(rows)
+
+    def margin_errors(self, errors: FloatArray) -> FloatArray:
+        """Return the errors of scaled margins, for errors of values, shape (names,)."""
+        return np.nan_to_num(errors[self._rows]) / self._scales
 
     def evaluate(self, points: FloatArray) -> FloatArray:
         """Return the rows at points of the design space; take note of the best of them."""
@@ -346,8 +351,9 @@ def _optimum(
     search: _Search, objective: Objective, point: FloatArray, is_attained: bool
 ) -> Optimum:
     exact, polygon = search.exact, search.polygon
-    values = exact.values(point[np.newaxis])
+    values, errors = exact.values_and_errors(exact.designs(point[np.newaxis]))
     margins = search.rows(values)[1:, 0]
+    allowed = ACTIVE + (0.0 if exact.is_exact else search.margin_errors(errors[:, 0]))
     touched = np.abs(polygon.distances(point[np.newaxis])[0]) <= 1e-8
     pairs = zip(polygon.names(exact.mechanism, exact.settings.space), touched, strict=True)
     places = [exact.names.index(name) for name in objective.names]
@@ -356,8 +362,10 @@ def _optimum(
         value=float(objective.value(values[places])[0]),
         active=tuple(
             condition
-            for condition, margin in zip(search.conditions, margins, strict=True)
-            if margin <= ACTIVE
+            for condition, margin, enough in zip(
+                search.conditions, margins, np.broadcast_to(allowed, margins.shape), strict=True
+            )
+            if margin <= enough
         ),
         borders=tuple(name for name, touches in pairs if touches),
         is_attained=is_attained,
