@@ -9,7 +9,7 @@ import inspect
 from collections.abc import Iterator
 from pathlib import Path
 
-from fivebar_atlas import jit, mechanisms
+from fivebar_atlas import mechanisms
 
 #: Packages on whose version every number depends.
 _COMPUTED_WITH = ("numba", "numpy")
@@ -32,6 +32,8 @@ def computing_versions(mechanism: str) -> dict[str, str]:
     UnknownNameError
         If there is no mechanism of this name.
     """
+    from fivebar_atlas import jit  # which loads numba: reading files must not wait for that
+
     packages = (*_COMPUTED_WITH, *mechanisms.get(mechanism).computed_with)
     return {
         "kernel_hash": jit.kernel_hash(),
