@@ -8,6 +8,8 @@ since another one may have been to blame.
 
 from __future__ import annotations
 
+import asyncio
+import concurrent.futures
 import contextlib
 import functools
 import json
@@ -38,6 +40,10 @@ _LOOK = 5.0
 _EMPTY_LOOKS = 12
 # How often it is looked for a scheduler's file, in seconds.
 _LOOK_FOR_FILE = 0.2
+
+# What workers of our own run first: an interrupt at the terminal reaches them, too, but it is
+# the sweep that ends them.
+_IGNORE_INTERRUPTS = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
 
 Versions = Mapping[str, str]
 
@@ -102,11 +108,12 @@ class DaskExecutor(Executor):
         running: dict[distributed.Future, Task] = {}
         dropped: list[Task] = []
         call = functools.partial(_checked_call, self._probe, self._versions, function)
+        lost = []
         try:
             while True:
                 room = _TASKS_PER_THREAD * max(self._threads(), 1) - len(running)
                 for task in islice(waiting, max(room, 0)):
-                    running[self._client.submit(call, task, pure=False)] = task
+                    running[self._submit(call, task)] = task
                 if not running:
                     break
                 for future in self._finished(running):
@@ -115,9 +122,8 @@ class DaskExecutor(Executor):
                         dropped.append(task)
                     else:
                         yield task, _result(future)
-            lost = []
             for task in dropped:
-                future = self._client.submit(call, task, pure=False)
+                future = self._submit(call, task)
                 running[future] = task
                 self._finished(running)
                 del running[future]
@@ -130,11 +136,17 @@ class DaskExecutor(Executor):
                 with contextlib.suppress(Exception):
                     self._client.cancel(list(running), force=True)
         if lost:
-            raise LostTasksError(lost, f"ended each of the {DEATHS + 1} workers that tried them")
+            raise LostTasksError(lost, "ended every worker that tried them")
+
+    def _submit(self, call: Callable[[Task], Result], task: Task) -> distributed.Future:
+        """Hand a task to the scheduler."""
+        with _reachable():
+            return self._client.submit(call, task, pure=False)
 
     def _threads(self) -> int:
         """Return the number of threads of all workers."""
-        return sum(self._client.nthreads().values())
+        with _reachable():
+            return sum(self._client.nthreads().values())
 
     def _finished(self, running: Mapping[distributed.Future, Any]) -> list[distributed.Future]:
         """Return the futures that are done, as soon as there is one.
@@ -147,17 +159,12 @@ class DaskExecutor(Executor):
         import distributed
 
         empty = 0
-        while True:
-            with contextlib.suppress(TimeoutError):
+        while empty < _EMPTY_LOOKS:
+            with _reachable(), contextlib.suppress(TimeoutError):
                 found = distributed.wait(list(running), _LOOK, return_when="FIRST_COMPLETED")
                 return list(found.done)
-            try:
-                empty = 0 if self._threads() else empty + 1
-            except (OSError, TimeoutError):
-                raise ClusterError("the scheduler has gone") from None
-            if empty > _EMPTY_LOOKS:
-                seconds = _LOOK * _EMPTY_LOOKS
-                raise ClusterError(f"the scheduler has had no worker for {seconds:g} s")
+            empty = 0 if self._threads() else empty + 1
+        raise ClusterError(f"the scheduler has had no worker for {_LOOK * _EMPTY_LOOKS:g} s")
 
     def _check_workers(self, patience: float) -> None:
         """Raise ClusterError unless there are workers, all of them with our versions."""
@@ -171,7 +178,7 @@ class DaskExecutor(Executor):
         found = self._client.run(self._probe, on_error="return")
         for address, versions in found.items():
             if isinstance(versions, BaseException):
-                raise ClusterError(f"the worker {address} cannot do the work: {versions}")
+                raise _unable(address, versions)
             _check_versions(versions, self._versions, address)
 
 
@@ -185,18 +192,25 @@ def _connect(
     except ImportError:
         raise MissingExtraError("the executor dask", "cluster") from None
     if scheduler is None and scheduler_file is None:
-        with dask.config.set({"distributed.scheduler.allowed-failures": DEATHS}):
-            cluster = distributed.LocalCluster(
-                n_workers=usable_cores() if workers is None else workers,
-                threads_per_worker=1,
-                processes=True,
-                # no pages for browsers, and whatever port is free
-                dashboard_address=":0",
-                scheduler_kwargs={"dashboard": False},
-                # what workers do is told by errors, not by their logs
-                silence_logs=logging.CRITICAL,
-            )
-        return distributed.Client(cluster), cluster
+        cluster = None
+        try:
+            with dask.config.set({"distributed.scheduler.allowed-failures": DEATHS}):
+                cluster = distributed.LocalCluster(
+                    n_workers=usable_cores() if workers is None else workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    # no pages for browsers, and whatever port is free
+                    dashboard_address=":0",
+                    scheduler_kwargs={"dashboard": False},
+                    # what workers do is told by errors, not by their logs
+                    silence_logs=logging.CRITICAL,
+                    preload=_IGNORE_INTERRUPTS,
+                )
+            return distributed.Client(cluster), cluster
+        except (OSError, RuntimeError) as error:
+            if cluster is not None:
+                cluster.close()
+            raise ClusterError(f"no cluster could be started on this machine: {error}") from None
     if scheduler_file is not None:
         scheduler = _address(Path(scheduler_file), patience)
     try:
@@ -239,7 +253,14 @@ def _checked_call(
     task: Task,
 ) -> Result:
     """Apply the function on a worker, which may have come when the others had been checked."""
-    _check_versions(probe(), versions, "that came later")
+    import distributed
+
+    address = distributed.get_worker().address
+    try:
+        found = probe()
+    except Exception as error:
+        raise _unable(address, error) from None
+    _check_versions(found, versions, address)
     return function(task)
 
 
@@ -253,16 +274,39 @@ def _check_versions(found: Versions, wanted: Versions, worker: str) -> None:
             )
 
 
+def _unable(worker: str, error: BaseException) -> ClusterError:
+    """Return the error for a worker that cannot even say its versions."""
+    return ClusterError(
+        f"the worker {worker} cannot do the work: {type(error).__name__}: {error}; is the same "
+        "version of this package installed there?"
+    )
+
+
+@contextlib.contextmanager
+def _reachable() -> Iterator[None]:
+    """Turn what Dask raises when the scheduler has gone into one error."""
+    try:
+        yield
+    except (OSError, concurrent.futures.CancelledError, asyncio.CancelledError):
+        raise ClusterError("the scheduler has gone") from None
+
+
 def _was_dropped(future: distributed.Future) -> bool:
     """Return whether the scheduler gave a task up because its workers died."""
     import distributed
 
-    return isinstance(future.exception(), distributed.KilledWorker)
+    with _reachable():
+        return isinstance(future.exception(), distributed.KilledWorker)
 
 
 def _result(future: distributed.Future) -> Any:
     """Return the result of a task, or raise what it raised; the cluster may forget it."""
     try:
-        return future.result()
+        with _reachable():
+            error = future.exception()
+        if error is not None:
+            raise error
+        with _reachable():
+            return future.result()
     finally:
         future.release()

@@ -290,4 +290,4 @@ class MissingExtraError(AtlasError):
 
 
 class LostBlocksError(AtlasError):
-    """Blocks of a sweep that ended every process they were computed in; the others are kept."""
+    """Blocks of a sweep that cannot be computed; the message names their designs and says why."""

@@ -26,6 +26,8 @@ FASTMATH = frozenset({"contract", "arcp", "nsz", "reassoc"})
 _PACKAGE = Path(__file__).parent
 _SOURCES = ("jit.py", "numerics/*.py", "mechanisms/*/*.py")
 _MARK = b"@kernel"
+#: Room that compiled kernels need, in bytes.
+_ROOM = 32 << 20
 
 
 @functools.cache
@@ -48,8 +50,28 @@ def kernel_hash() -> str:
 
 
 @functools.cache
+def processor() -> str:
+    """Return what kernels are compiled for: another one may round differently.
+
+    Returns
+    -------
+    str
+        Name of the processor, as LLVM calls it, and a hash of its instruction sets:
+        ``"znver3-5d41402a"``; ``"interpreted"`` where ``NUMBA_DISABLE_JIT`` is set.
+    """
+    from numba.core.registry import cpu_target
+
+    config: Any = numba.config
+    if config.DISABLE_JIT:
+        return "interpreted"
+    # the same that numba keys its own cache by
+    _, name, features = cpu_target.target_context.codegen().magic_tuple()
+    return f"{name}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
+
+
+@functools.cache
 def cache_folder() -> Path | None:
-    """Return the folder of compiled kernels, or None where nothing is writable.
+    """Return the folder of compiled kernels, or None where nothing can be written.
 
     ``NUMBA_CACHE_DIR`` is respected; otherwise the folder lies below the user's cache
     directory (``XDG_CACHE_HOME``, by default ``~/.cache``).
@@ -62,8 +84,10 @@ def cache_folder() -> Path | None:
     folder = base / "fivebar-atlas" / f"{kernel_hash()}-numba{numba.__version__}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
+        with tempfile.TemporaryFile(dir=folder) as file:
+            # A quota that is met while a kernel is kept would end the program.
+            if not any(folder.rglob("*.nbi")):
+                file.write(bytes(_ROOM))
     except OSError:
         return None
     return folder

@@ -115,16 +115,42 @@ def put_in_place(temporary: Path, path: Path, overwrite: bool) -> None:
     OSError
         If the file cannot be renamed.
     """
-    if path.exists() and not overwrite:
-        raise FileUsageError(path, "exists already; --overwrite replaces it")
-    temporary.replace(path)
+    if overwrite or not _linked(temporary, path):
+        temporary.replace(path)
     # The new name is on the disk only when its folder is.
+    flush_folder(path.parent)
+
+
+def _linked(temporary: Path, path: Path) -> bool:
+    """Give a file a second name that must be free; return whether links can do that.
+
+    Raises
+    ------
+    FileUsageError
+        If the name is taken.
+    """
+    taken = FileUsageError(path, "exists already; --overwrite replaces it")
+    try:
+        os.link(temporary, path)
+    except FileExistsError:
+        raise taken from None
+    except OSError:
+        # A file system without links: then only looking helps.
+        if path.exists():
+            raise taken from None
+        return False
+    temporary.unlink(missing_ok=True)
+    return True
+
+
+def flush_folder(folder: Path) -> None:
+    """Have the names in a folder on the disk, where the platform can."""
     with contextlib.suppress(OSError):
-        folder = os.open(path.parent, os.O_RDONLY)
+        number = os.open(folder, os.O_RDONLY)
         try:
-            os.fsync(folder)
+            os.fsync(number)
         finally:
-            os.close(folder)
+            os.close(number)
 
 
 @contextlib.contextmanager

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Container, Iterator
+import traceback
+from collections.abc import Collection, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy.typing as npt
 
-from fivebar_atlas import mechanisms
+from fivebar_atlas import jit, mechanisms
 from fivebar_atlas.errors import InputError, LostBlocksError
 from fivebar_atlas.executors import Executor, LostTasksError
 from fivebar_atlas.mechanisms.arrays import FloatArray
@@ -27,8 +29,9 @@ _BLOCKS = 128
 _FEWEST_DESIGNS = 16
 _MOST_DESIGNS = 1024
 
-# So many blocks are named where some could not be computed.
-_SHOWN = 5
+# So many blocks are named where some could not be computed; and so many failures without a
+# single block that can be computed end the sweep.
+_SHOWN, _MOST_FAILURES = 5, 8
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -85,10 +88,21 @@ class Block:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class BlockResults:
-    """What was computed for a block: one array for each quantity and error companion."""
+    """What was computed for a block.
+
+    Attributes
+    ----------
+    block
+        The block.
+    arrays
+        One array for each quantity and error companion.
+    processor
+        What computed it, see :func:`fivebar_atlas.jit.processor`.
+    """
 
     block: Block
     arrays: dict[str, npt.NDArray[Any]]
+    processor: str
 
 
 class Sweep:
@@ -140,7 +154,7 @@ class Sweep:
         """Number of designs in the blocks."""
         return sum(block.stop - block.start for block in self.blocks)
 
-    def run(self, executor: Executor, finished: Container[int] = ()) -> Iterator[BlockResults]:
+    def run(self, executor: Executor, finished: Collection[int] = ()) -> Iterator[BlockResults]:
         """Evaluate blocks and yield each as soon as it is finished, in any order.
 
         Parameters
@@ -159,9 +173,8 @@ class Sweep:
         Raises
         ------
         LostBlocksError
-            After all other blocks, if some ended every process they were computed in.
-        ValueError
-            If the mechanism does not return what it declares.
+            After all other blocks, if some ended every process they were computed in, or
+            computing them failed.
         """
         evaluate = functools.partial(_evaluate, self.settings)
         remaining = (
@@ -169,26 +182,37 @@ class Sweep:
             for block in self.blocks
             if block.index not in finished
         )
+        lost: list[tuple[_Work, str]] = []
+        some_are_finished = bool(finished)
         try:
-            for work, arrays in executor.run(evaluate, remaining):
-                yield BlockResults(work.block, arrays)
+            for work, found in executor.run(evaluate, remaining):
+                if isinstance(found, str):
+                    lost.append((work, found))
+                    if len(lost) >= _MOST_FAILURES and not some_are_finished:
+                        break
+                    continue
+                some_are_finished = True
+                yield BlockResults(work.block, *found)
         except LostTasksError as error:
-            raise LostBlocksError(self._lost(error)) from None
+            lost += [(work, error.reason) for work in error.tasks]
+        if lost:
+            raise LostBlocksError(self._lost(lost))
 
-    def _lost(self, error: LostTasksError) -> str:
+    def _lost(self, lost: Sequence[tuple[_Work, str]]) -> str:
         """Return which blocks could not be computed, and why."""
         names = [parameter.name for parameter in self.mechanism.parameters]
         shown = []
-        for work in error.tasks[:_SHOWN]:
+        for work, reason in lost[:_SHOWN]:
             first, last = (
                 ", ".join(f"{n} = {v:g}" for n, v in zip(names, work.designs[k], strict=True))
                 for k in (0, -1)
             )
             block = work.block
-            shown.append(f"designs {block.start} to {block.stop - 1} (from {first} to {last})")
-        more = len(error.tasks) - len(shown)
-        rest = f" and {more} blocks more" if more else ""
-        return f"{'; '.join(shown)}{rest}: {error.reason}; everything else is finished and kept"
+            shown.append(
+                f"designs {block.start} to {block.stop - 1} (from {first} to {last}) {reason}"
+            )
+        more = len(lost) - len(shown)
+        return "; ".join(shown) + (f"; and {more} blocks more" if more else "")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -199,16 +223,29 @@ class _Work:
     designs: FloatArray
 
 
-def _evaluate(settings: SweepSettings, work: _Work) -> dict[str, npt.NDArray[Any]]:
-    """Return the results of a block, in the types and shapes declared."""
+def _evaluate(
+    settings: SweepSettings, work: _Work
+) -> tuple[dict[str, npt.NDArray[Any]], str] | str:
+    """Return the results of a block and what computed them, or why there are none."""
+    try:
+        return _results(settings, work.designs), jit.processor()
+    except Exception as error:
+        # Whatever it is, the other blocks are to be computed and kept.
+        *_, frame = traceback.extract_tb(error.__traceback__)
+        said = " ".join(f"{type(error).__name__}: {error}".split()).rstrip(": ")
+        return f"failed: {said} ({Path(frame.filename).name}, line {frame.lineno})"
+
+
+def _results(settings: SweepSettings, designs: FloatArray) -> dict[str, npt.NDArray[Any]]:
+    """Return the results of designs, in the types and shapes declared."""
     mechanism = mechanisms.get(settings.mechanism)
-    results = mechanism.evaluate(work.designs, settings)
+    results = mechanism.evaluate(designs, settings)
     arrays: dict[str, npt.NDArray[Any]] = {}
     for array in mechanism.result_arrays(settings):
         if array.name not in results:
             raise ValueError(f"{mechanism.name} returned no {array.name!r}")
         values = results[array.name]
-        shape = (len(work.designs), *array.lengths)
+        shape = (len(designs), *array.lengths)
         if values.shape != shape:
             raise ValueError(
                 f"{mechanism.name} returned {array.name!r} of shape {values.shape}; "

@@ -1,9 +1,10 @@
 """The finished blocks of a sweep that is not complete, in a folder beside its output.
 
 ``FILE.h5.partial/`` holds a manifest that says what is computed, and one file a finished
-block. Each appears by a rename, with a checksum inside, so that whatever ends the process
-(an interrupt, a kill, the power) leaves every finished block whole or recognisably not. A
-lock that dies with the process keeps two sweeps from writing to one output.
+block. Each appears by a rename, with a checksum inside over its data and the manifest, so that
+whatever ends the process (an interrupt, a kill, the power) leaves every finished block whole or
+recognisably not, and a block of another sweep is never taken for one of this. A lock that dies
+with the process keeps two sweeps from writing to one output, where the folder has locks.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import contextlib
 import io
 import json
 import os
+import socket
 import sys
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,20 +24,20 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import FileError, FileUsageError
-from fivebar_atlas.output_file import unwritable
+from fivebar_atlas.output_file import flush_folder, unwritable
 
 #: Version of the layout of the folder.
-LAYOUT = 1
-
-#: Name under which the result file is assembled in the folder.
-ASSEMBLED = "assembled.h5"
+LAYOUT = 2
 
 _FOLDER = ".partial"
 _MANIFEST = "manifest.json"
 _LOCK = "lock"
 _BLOCK = "block-"
+_ASSEMBLED = "assembled-"
 _UNFINISHED = ".new"
 _CHECKSUM_BYTES = 4
+# A lock file that its owner removed just then is looked for again so many times.
+_TRIES = 100
 
 
 class UnfinishedSweep:
@@ -89,14 +91,18 @@ class UnfinishedSweep:
         self._lock: io.IOBase | None = None
         self._accepted = False
         wanted = {"layout": LAYOUT, **manifest, "blocks": len(ranges), "columns": str(columns)}
+        text = json.dumps(wanted, indent=2).encode()
+        self._seed = zlib.crc32(text)
         with self._writing():
             self.path.mkdir(exist_ok=True)
-            self._lock = (self.path / _LOCK).open("ab")
+            self._lock = _locked(self.path)
         try:
-            if not _acquired(self._lock):
+            if self._lock is None:
                 raise FileUsageError(self.path, "another sweep is at work on this output")
-            with self._writing():
-                found = _manifest(self.path) if resume or not restart else None
+            found = None
+            if resume or not restart:
+                with self._writing():
+                    found = _manifest(self.path)
             if found is not None and not (resume or restart) and self._has_blocks():
                 raise FileUsageError(
                     self.path,
@@ -111,12 +117,17 @@ class UnfinishedSweep:
                 self._accepted = True
                 with self._writing():
                     _clear(self.path)
-                    self._write(_MANIFEST, json.dumps(wanted, indent=2).encode())
+                    self._write(_MANIFEST, text)
         except BaseException:
             self.close()
             raise
 
-    def add(self, index: int, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+    @property
+    def assembled(self) -> Path:
+        """A name for the result file while it is assembled, of this process alone."""
+        return self.path / f"{_ASSEMBLED}{socket.gethostname()}-{os.getpid()}.h5"
+
+    def add(self, index: int, arrays: Mapping[str, npt.NDArray[Any]], processor: str) -> None:
         """Keep a finished block.
 
         Parameters
@@ -125,6 +136,8 @@ class UnfinishedSweep:
             Number of the block.
         arrays
             One array for each column, the design axis first.
+        processor
+            What computed it.
 
         Raises
         ------
@@ -135,25 +148,30 @@ class UnfinishedSweep:
         records = np.empty(stop - start, dtype=self._columns)
         for name in self._columns.names or ():
             records[name] = arrays[name]
-        data = records.tobytes()
-        checksum = zlib.crc32(data).to_bytes(_CHECKSUM_BYTES, "little")
+        data = records.tobytes() + processor.encode()
         with self._writing():
-            self._write(f"{_BLOCK}{index:06d}", data + checksum)
+            self._write(f"{_BLOCK}{index:06d}", data + self._checksum(data))
         self.finished.add(index)
 
-    def read(self, index: int) -> npt.NDArray[Any] | None:
-        """Return the records of a finished block, None if they are not there or not whole."""
+    def read(self, index: int) -> tuple[npt.NDArray[Any], str] | None:
+        """Return the records of a finished block, and what computed it.
+
+        None stands for a block that is not there, not whole, or of another sweep.
+        """
         start, stop = self._ranges[index]
         try:
-            data = (self.path / f"{_BLOCK}{index:06d}").read_bytes()
+            content = (self.path / f"{_BLOCK}{index:06d}").read_bytes()
         except FileNotFoundError:
             return None
-        records, checksum = data[:-_CHECKSUM_BYTES], data[-_CHECKSUM_BYTES:]
-        if len(records) != (stop - start) * self._columns.itemsize:
+        data, checksum = content[:-_CHECKSUM_BYTES], content[-_CHECKSUM_BYTES:]
+        size = (stop - start) * self._columns.itemsize
+        if len(data) < size or self._checksum(data) != checksum:
             return None
-        if zlib.crc32(records).to_bytes(_CHECKSUM_BYTES, "little") != checksum:
-            return None
-        return np.frombuffer(records, dtype=self._columns)
+        return np.frombuffer(data[:size], dtype=self._columns), data[size:].decode()
+
+    def _checksum(self, data: bytes) -> bytes:
+        """Return the checksum of a block's data: of this sweep, and of no other."""
+        return zlib.crc32(data, self._seed).to_bytes(_CHECKSUM_BYTES, "little")
 
     def remove(self) -> None:
         """Remove the folder and everything in it that a sweep has put there."""
@@ -195,6 +213,8 @@ class UnfinishedSweep:
                     file.flush()
                     os.fsync(file.fileno())
             new.replace(self.path / name)
+            if name == _MANIFEST:
+                flush_folder(self.path)
         except OSError:
             with contextlib.suppress(OSError):
                 new.unlink(missing_ok=True)
@@ -223,62 +243,76 @@ def remove_leftover(output: Path, own: Mapping[str, str]) -> None:
     """
     path = output.with_name(output.name + _FOLDER)
     # A folder that is not there, or cannot be removed, is nobody's loss.
-    with contextlib.suppress(OSError, FileError), (path / _LOCK).open("ab") as lock:
+    with contextlib.suppress(OSError, FileError):
         manifest = _manifest(path)
-        # Without a manifest, blocks cannot be gone on with anyway.
-        is_own = manifest is None or all(manifest.get(name) == own[name] for name in own)
-        if is_own and _acquired(lock):
-            _clear(path)
-            (path / _LOCK).unlink(missing_ok=True)
-            path.rmdir()
+        if manifest is not None and any(manifest.get(name) != own[name] for name in own):
+            return
+        lock = _locked(path)
+        if lock is not None:
+            with lock:
+                _clear(path)
+                (path / _LOCK).unlink(missing_ok=True)
+                path.rmdir()
 
 
 def _manifest(path: Path) -> dict[str, Any] | None:
-    """Return the manifest in a folder, None if there is none.
+    """Return the manifest in a folder, None if there is none and no block either.
 
     Raises
     ------
     FileError
-        If it is damaged; it was on the disk before the first block, so no interruption does that.
+        If it is damaged, or missing beside blocks: it was on the disk before the first of them,
+        so no interruption does that.
     """
     try:
         found = json.loads((path / _MANIFEST).read_bytes())
     except FileNotFoundError:
-        return None
+        if not path.is_dir() or not any(e.name.startswith(_BLOCK) for e in path.iterdir()):
+            return None
+        found = None
     except ValueError:
         found = None
     if not isinstance(found, dict):
         raise FileError(
             path,
-            f"its {_MANIFEST} is damaged, so nobody knows what its blocks are of; "
+            f"its {_MANIFEST} is missing or damaged, so nobody knows what its blocks are of; "
             "--overwrite without --resume starts again",
         )
     return found
 
 
-def _acquired(lock: io.IOBase) -> bool:
-    """Lock a file, where the platform has locks that die with their process.
+def _locked(path: Path) -> io.IOBase | None:
+    """Lock a folder, where the platform has locks that die with their process.
 
-    Returns whether nobody else has it locked.
+    Returns the lock, None if somebody else has it.
     """
-    if sys.platform == "win32":
-        return True
-    import fcntl
+    name = path / _LOCK
+    for _ in range(_TRIES):
+        lock = name.open("ab")
+        if sys.platform == "win32":
+            return lock
+        import fcntl
 
-    try:
-        fcntl.flock(lock.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    except OSError:
-        # A network folder without locks: then nobody can be kept out.
-        return True
-    return True
+        try:
+            fcntl.flock(lock.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            lock.close()
+            return None
+        except OSError:
+            # A network folder without locks: then nobody can be kept out.
+            return lock
+        # Whoever had it before may have removed it in the meantime, and a third made a new one.
+        with contextlib.suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(lock.fileno()), name.stat()):
+                return lock
+        lock.close()
+    return None
 
 
 def _clear(path: Path) -> None:
     """Remove what a sweep has put into its folder, except the lock; the manifest goes last."""
     for entry in sorted(path.iterdir(), key=lambda entry: entry.name.startswith(_MANIFEST)):
-        if entry.name.startswith((_MANIFEST, _BLOCK)) or entry.name == ASSEMBLED:
+        if entry.name.startswith((_MANIFEST, _BLOCK, _ASSEMBLED)):
             entry.unlink(missing_ok=True)
 
 
@@ -291,7 +325,8 @@ def _check_manifest(path: Path, found: Mapping[str, Any], wanted: Mapping[str, A
         added = ", ".join(line for line in now if line not in before)
         raise FileUsageError(
             path,
-            f"was begun with another configuration ({removed}; now {added}); "
+            f"was begun with another configuration ({removed or 'less'}; now "
+            f"{added or 'without that'}); "
             "--overwrite without --resume starts again",
         )
     different = [key for key in wanted if found.get(key) != wanted[key]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import importlib.metadata
+import importlib
 import inspect
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,6 +22,8 @@ _SHARED = ("jit.py", "numerics/*.py", "mechanisms/*.py")
 def computing_versions(mechanism: str) -> dict[str, str]:
     """Return hashes of the sources and versions of the packages that numbers depend on.
 
+    They are those that this process has loaded, whatever has been installed since.
+
     Parameters
     ----------
     mechanism
@@ -38,7 +40,7 @@ def computing_versions(mechanism: str) -> dict[str, str]:
     return {
         "kernel_hash": jit.kernel_hash(),
         "source_hash": source_hash(mechanism),
-        **{f"{each}_version": importlib.metadata.version(each) for each in packages},
+        **{f"{each}_version": str(importlib.import_module(each).__version__) for each in packages},
     }
 
 

@@ -13,12 +13,13 @@ import pytest
 from click.testing import CliRunner
 from test_store import write
 
-from fivebar_atlas import open_atlas
+from fivebar_atlas import jit, open_atlas, versions
 from fivebar_atlas.cli import main
 from fivebar_atlas.errors import FileError, FileUsageError, InputError
 from fivebar_atlas.executors import ThreadExecutor
 from fivebar_atlas.mechanisms.settings import SweepSettings
-from fivebar_atlas.store import AtlasWriter, is_complete, merge
+from fivebar_atlas.store import AtlasWriter, is_complete, merge, merging
+from fivebar_atlas.store import parts as parts_module
 from fivebar_atlas.sweep import Shard, Sweep
 
 
@@ -136,6 +137,72 @@ def test_blocks_that_overlap_are_refused(tmp_path: Path, parts: list[Path]) -> N
         file["block_stop"][...] -= 1
     with pytest.raises(FileError, match="is damaged: a block begins at design"):
         merge(parts, tmp_path / "merged.h5")
+
+
+def test_designs_of_another_lattice_are_refused(tmp_path: Path, parts: list[Path]) -> None:
+    with h5py.File(parts[1], "r+") as file:
+        file["a"][[0, 1]] = file["a"][...][[1, 0]]
+    with pytest.raises(FileError, match=r"part-2\.h5.*are not those of its configuration"):
+        merge(parts, tmp_path / "merged.h5")
+    assert not (tmp_path / "merged.h5").exists()
+
+
+def test_attributes_of_others_are_ignored(
+    tmp_path: Path, toy_settings: SweepSettings, parts: list[Path]
+) -> None:
+    with h5py.File(parts[0], "r+") as file:
+        file.attrs["note"] = "mine"
+    with h5py.File(parts[1], "r+") as file:
+        file.attrs["numbers"] = [1.0, 2.0]
+    merge(parts, tmp_path / "merged.h5")
+    assert_same_data(write(tmp_path / "whole.h5", toy_settings), tmp_path / "merged.h5")
+
+
+def test_attributes_that_must_be_there_are_named(tmp_path: Path, parts: list[Path]) -> None:
+    with h5py.File(parts[1], "r+") as file:
+        del file.attrs["source_hash"]
+    with pytest.raises(FileError, match=r"part-2\.h5: is damaged: it does not say its source_hash"):
+        merge(parts, tmp_path / "merged.h5")
+
+
+def test_parts_are_normalised_only_by_what_computed_them(
+    tmp_path: Path, parts: list[Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(versions, "source_hash", lambda _: "0123456789abcdef")
+    with pytest.raises(FileUsageError, match="this program 0123456789abcdef: it would normalise"):
+        merge(parts, tmp_path / "merged.h5")
+
+
+def test_processors_of_all_parts_are_named(
+    tmp_path: Path, toy_settings: SweepSettings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    paths = []
+    for number, name in ((1, "old-1"), (2, "new-2")):
+        monkeypatch.setattr(jit, "processor", lambda name=name: name)
+        shard = Shard(number, 2)
+        paths.append(write_part(tmp_path / f"{number}.h5", toy_settings, shard))
+    merge(paths, tmp_path / "merged.h5")
+    with open_atlas(tmp_path / "merged.h5") as atlas:
+        assert atlas.attributes["processor"] == "new-2, old-1"
+
+
+def test_more_parts_than_files_may_be_open(
+    tmp_path: Path, toy_settings: SweepSettings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(merging, "_MOST_OPEN", 2)
+    paths = [write_part(tmp_path / f"{n}.h5", toy_settings, Shard(n, 7)) for n in range(1, 8)]
+    opened = []
+    honest = parts_module.open_hdf5
+
+    def counting(path: Path) -> object:
+        found = honest(path)
+        opened.append(found[0])
+        assert sum(map(bool, opened)) <= 3
+        return found
+
+    monkeypatch.setattr(parts_module, "open_hdf5", counting)
+    merge(paths, tmp_path / "merged.h5")
+    assert_same_data(write(tmp_path / "whole.h5", toy_settings), tmp_path / "merged.h5")
 
 
 @pytest.mark.parametrize("damage", ["span", "block_start", "truncated"])

@@ -83,7 +83,7 @@ def test_a_mechanism_that_breaks_its_word_is_noticed(
         return results
 
     monkeypatch.setattr(ToyMechanism, "evaluate", broken)
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(LostBlocksError, match=f"failed: ValueError: .*{message}"):
         list(Sweep(toy_settings).run(ThreadExecutor(1)))
 
 
@@ -131,7 +131,7 @@ def test_blocks_that_cannot_be_computed_are_named_with_their_designs(toy: str) -
                     lost.append(task)
                 else:
                     yield task, function(task)
-            raise LostTasksError(lost, "ended each of the 4 workers that tried them")
+            raise LostTasksError(lost, "ended every worker that tried them")
 
     work = Sweep(SweepSettings(toy, "whole", 100, ("left",), (), 1e-6))
     found = []
@@ -142,6 +142,44 @@ def test_blocks_that_cannot_be_computed_are_named_with_their_designs(toy: str) -
     block = work.blocks[1]
     assert str(caught.value) == (
         f"designs {block.start} to {block.stop - 1} "
-        "(from a = 0.16, b = 0.84 to a = 0.31, b = 0.69):"
-        " ended each of the 4 workers that tried them; everything else is finished and kept"
+        "(from a = 0.16, b = 0.84 to a = 0.31, b = 0.69)"
+        " ended every worker that tried them"
     )
+
+
+def failing_from(first: float, everywhere: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the toy mechanism fail in the block that begins with a design, or in all."""
+    honest = ToyMechanism.evaluate
+
+    def failing(self: ToyMechanism, parameters: FloatArray, settings: SweepSettings) -> Arrays:
+        if everywhere or parameters[0, 0] == first:
+            raise OSError(28, "No space left on device")
+        return honest(self, parameters, settings)
+
+    monkeypatch.setattr(ToyMechanism, "evaluate", failing)
+
+
+def test_a_block_that_fails_is_named_and_the_others_are_computed(
+    toy_settings: SweepSettings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    work = Sweep(toy_settings)
+    block = work.blocks[0]
+    failing_from(work.designs[block.start][0], False, monkeypatch)
+    found = []
+    message = (
+        rf"^designs 0 to {block.stop - 1} \(from a = 0, b = 1 to .*\) failed: "
+        r"OSError: \[Errno 28\] No space left on device \(test_sweep.py, line \d+\)$"
+    )
+    with pytest.raises(LostBlocksError, match=message):  # noqa: PT012
+        for results in work.run(ThreadExecutor(2)):
+            found.append(results.block.index)  # noqa: PERF401
+    assert sorted(found) == list(range(1, len(work.blocks)))
+
+
+def test_a_sweep_of_which_every_block_fails_ends_early(
+    toy_settings: SweepSettings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    failing_from(0.0, True, monkeypatch)
+    settings = dataclasses.replace(toy_settings, resolution=10_000)
+    with pytest.raises(LostBlocksError, match=r"and 3 blocks more$"):
+        list(Sweep(settings).run(ThreadExecutor(1)))

@@ -12,6 +12,7 @@ import click
 
 from fivebar_atlas.cli import options
 from fivebar_atlas.cli.progress import Progress, note_compilation
+from fivebar_atlas.errors import ClusterError, LostBlocksError
 
 if TYPE_CHECKING:
     from fivebar_atlas.config import Configuration
@@ -79,6 +80,9 @@ def sweep(
             with _executor(configuration) as executor:
                 _run(work, writer, executor, quiet)
             writer.assemble()
+        except (ClusterError, LostBlocksError) as error:
+            kept = _kept(work, writer)
+            raise type(error)(f"{error}; {kept}" if kept else str(error)) from None
         except KeyboardInterrupt:
             raise click.Abort(_kept(work, writer)) from None
     said = [f"{work.count:,} designs"]
@@ -115,7 +119,7 @@ def _run(work: Sweep, writer: AtlasWriter, executor: Executor, quiet: bool) -> N
         note_compilation()
     with Progress(total, done, quiet) as progress:
         for results in work.run(executor, writer.finished):
-            writer.add(results.block.index, results.arrays)
+            writer.add(results.block.index, results.arrays, results.processor)
             progress.advance(results.block.stop - results.block.start)
 
 

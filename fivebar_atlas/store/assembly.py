@@ -94,9 +94,9 @@ class ResultFile:
             If the output has come into existence in the meantime.
         """
         try:
-            with temporary.open("w+b", buffering=0) as file:
+            with temporary.open("x+b", buffering=0) as file:
                 guarded = GuardedFile(file)
-                self._write_hdf5(guarded, records)
+                guarded.run(lambda: self._write_hdf5(guarded, records))
                 guarded.check()
                 seal(file)
                 os.fsync(file.fileno())

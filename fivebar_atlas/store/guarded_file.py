@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 
@@ -11,12 +13,28 @@ class GuardedFile(io.RawIOBase):
 
     HDF5 cannot close a file whose disk is full, and ends the process when it tries again
     on the way out. So a fault is kept here, everything after it is swallowed, and whoever
-    uses the file asks with :meth:`check` whether there was one.
+    uses the file asks with :meth:`check` whether there was one. An interrupt is such a fault,
+    too, and must not reach the callbacks of HDF5: hence :meth:`run`.
     """
 
     def __init__(self, file: io.FileIO) -> None:
         self._file = file
         self._fault: BaseException | None = None
+
+    def run(self, write: Callable[[], None]) -> None:
+        """Call a function that writes with HDF5, in a thread of its own.
+
+        Interrupts come to the main thread only. There one ends the writing, and is raised when
+        HDF5 has let go of the file.
+        """
+        with ThreadPoolExecutor(1, thread_name_prefix="write") as pool:
+            writing = pool.submit(write)
+            try:
+                writing.result()
+            except BaseException as fault:
+                if self._fault is None:
+                    self._fault = fault
+                raise
 
     def check(self) -> None:
         """Raise the first fault, if there was one."""
@@ -28,11 +46,10 @@ class GuardedFile(io.RawIOBase):
         view = memoryview(data).cast("B")
         size = view.nbytes
         if self._fault is None:
-            # Not only OSError: an interrupt must not end up in the HDF5 library either.
             try:
                 while view.nbytes:
                     view = view[self._file.write(view) :]
-            except BaseException as fault:
+            except OSError as fault:
                 self._fault = fault
         return size
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +12,16 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import FileError, FileUsageError
+from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.output_file import check_is_no_input, check_output
 from fivebar_atlas.store.assembly import ResultFile
 from fivebar_atlas.store.parts import Part
-from fivebar_atlas.store.provenance import FORMAT, provenance
+from fivebar_atlas.store.provenance import identity, joined, provenance
 
-# Root attributes that may differ from part to part.
-_OWN = frozenset({"part", "command_line", "created", "package_version"})
+# Root attributes, besides the identity of a sweep, that parts have in common.
+_COMMON = ("format_version", "mechanism", "sweep_designs")
+# More parts are not held open: there may be as many as a process may have files.
+_MOST_OPEN = 64
 # So much of a value is shown where parts differ.
 _LONGEST_VALUE = 60
 
@@ -33,7 +36,8 @@ def merge(
 ) -> int:
     """Write the atlas that parts of a sweep make up.
 
-    Its data are those of the sweep in one run, bit for bit.
+    Its data are those of the sweep in one run, bit for bit, if all parts were computed on the same
+    kind of processor; the attribute ``processor`` says on which.
 
     Parameters
     ----------
@@ -67,18 +71,23 @@ def merge(
         parts: list[Part] = []
         for path in map(Path, paths):
             check_is_no_input(output, path)
-            part = Part(path)
+            part = Part(path, stays_open=len(parts) < _MOST_OPEN)
             stack.callback(part.close)
             parts.append(part)
-        _check_belonging(parts)
-        order = _order(parts)
+        ours = identity(parts[0].settings)
+        _check_belonging(parts, (*_COMMON, *ours))
         first = parts[0]
-        designs = np.concatenate([part.parameters(block) for part, block in order])
+        _check_sources(first, ours)
+        order = _order(parts)
+        designs = first.mechanism.lattice(first.settings.space, first.settings.resolution)
+        _check_designs(order, designs)
         attributes = {
             **provenance(first.settings, command_line),
             # what the numbers were computed with
-            **{k: v for k, v in first.attributes.items() if k not in (*_OWN, "sweep_designs")},
-            "format": FORMAT,
+            **{name: first.attributes[name] for name in ("package_version", *ours)},
+            "processor": joined(
+                each for part in parts for each in str(part.attributes["processor"]).split(", ")
+            ),
         }
         file = ResultFile(first.settings, designs, attributes)
         temporary = output.with_name(f".{output.stem}.{os.getpid()}.part{output.suffix}")
@@ -100,14 +109,48 @@ def _records(
             report(finished, total)
 
 
-def _check_belonging(parts: Sequence[Part]) -> None:
-    """Raise FileUsageError unless the parts are all those of one sweep, each there once."""
+def _check_sources(part: Part, ours: Mapping[str, str]) -> None:
+    """Raise FileUsageError if this program would make other values of what parts hold."""
+    if not part.mechanism.normalised:
+        return
+    for name, value in ours.items():
+        found = part.attributes[name]
+        if name != "configuration" and found != value:
+            raise FileUsageError(
+                part.path,
+                f"has {name} {found}, this program {value}: it would normalise the values of all "
+                "parts in another way, so merge them where they were computed",
+            )
+
+
+def _check_designs(order: Sequence[tuple[Part, int]], designs: FloatArray) -> None:
+    """Raise FileError unless blocks hold the designs of the lattice, in its order."""
+    for part, block in order:
+        start, stop = part.ranges[block]
+        if not np.array_equal(part.parameters(block), designs[start:stop]):
+            raise FileError(
+                part.path,
+                f"is damaged: its designs {start} to {stop - 1} are not those of its configuration",
+            )
+
+
+def _check_belonging(parts: Sequence[Part], names: Sequence[str]) -> None:
+    """Raise FileUsageError unless the parts are all those of one sweep, each there once.
+
+    Parameters
+    ----------
+    parts
+        The parts.
+    names
+        Root attributes that must be the same.
+    """
     first = parts[0]
-    for part in parts[1:]:
-        names = {*first.attributes, *part.attributes} - _OWN
-        for name in sorted(names):
-            one, other = first.attributes.get(name), part.attributes.get(name)
-            if one != other:
+    for part in parts:
+        for name in names:
+            if name not in part.attributes:
+                raise FileError(part.path, f"is damaged: it does not say its {name}")
+            one, other = first.attributes[name], part.attributes[name]
+            if str(one) != str(other):
                 raise FileUsageError(
                     part.path,
                     f"is of another sweep than {first.path}: its {name} is "

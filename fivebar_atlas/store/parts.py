@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,8 @@ class Part:
     ----------
     path
         The file.
+    stays_open
+        Whether it is held open between one reading and the next.
 
     Attributes
     ----------
@@ -47,8 +50,9 @@ class Part:
         If it is no part of an atlas, is damaged, or of a newer format.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, stays_open: bool = True) -> None:
         self.path = path
+        self._stays_open = stays_open
         self._file, self.attributes = open_hdf5(path)
         try:
             self.mechanism, self.settings = interpret(path, self.attributes, PART_FORMAT)
@@ -68,6 +72,8 @@ class Part:
         except BaseException:
             self.close()
             raise
+        if not stays_open:
+            self.close()
 
     def close(self) -> None:
         """Close the file."""
@@ -75,20 +81,26 @@ class Part:
 
     def parameters(self, block: int) -> FloatArray:
         """Return the designs of a block, shape (designs, parameters)."""
-        columns = [self._read(each.name, block) for each in self.mechanism.parameters]
-        return np.column_stack(columns)
+        names = [each.name for each in self.mechanism.parameters]
+        return np.column_stack(list(self._read(names, block)))
 
     def records(self, block: int) -> npt.NDArray[Any]:
         """Return the records of a block."""
         start, stop = self.ranges[block]
         records = np.empty(stop - start, dtype=self._type)
-        for name in self._type.names or ():
-            records[name] = self._read(name, block)
+        names = self._type.names or ()
+        for name, values in zip(names, self._read(names, block), strict=True):
+            records[name] = values
         return records
 
-    def _read(self, name: str, block: int) -> npt.NDArray[Any]:
-        with reading(self.path):
-            values: npt.NDArray[Any] = self._file[name][
-                self._places[block] : self._places[block + 1]
-            ]
-        return values
+    def _read(self, names: Sequence[str], block: int) -> Iterator[npt.NDArray[Any]]:
+        """Yield what datasets hold of a block."""
+        places = slice(self._places[block], self._places[block + 1])
+        if not self._file:
+            self._file, _ = open_hdf5(self.path)
+        for name in names:
+            with reading(self.path):
+                values: npt.NDArray[Any] = self._file[name][places]
+            yield values
+        if not self._stays_open:
+            self.close()

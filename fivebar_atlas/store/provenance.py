@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import datetime
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +41,11 @@ def provenance(settings: SweepSettings, command_line: str) -> dict[str, Any]:
         "command_line": command_line,
         "created": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
     }
+
+
+def joined(processors: Iterable[str]) -> str:
+    """Return the root attribute that names all processors that computed the blocks of a file."""
+    return ", ".join(sorted(set(processors)))
 
 
 def part_attributes(part: str, designs: int) -> dict[str, Any]:

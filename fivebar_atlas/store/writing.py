@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -12,15 +13,16 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
+from fivebar_atlas import jit
 from fivebar_atlas.errors import AtlasError, FileError
 from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.settings import SweepSettings
 from fivebar_atlas.output_file import check_output
 from fivebar_atlas.store.assembly import Range, ResultFile, record_type
 from fivebar_atlas.store.parts import Part
-from fivebar_atlas.store.provenance import identity, part_attributes, provenance
+from fivebar_atlas.store.provenance import identity, joined, part_attributes, provenance
 from fivebar_atlas.store.reading import open_atlas
-from fivebar_atlas.unfinished_sweep import ASSEMBLED, UnfinishedSweep, remove_leftover
+from fivebar_atlas.unfinished_sweep import UnfinishedSweep, remove_leftover
 
 
 class AtlasWriter:
@@ -97,7 +99,12 @@ class AtlasWriter:
         """Indices of the blocks that need not be computed again."""
         return frozenset(self._blocks.finished)
 
-    def add(self, index: int, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+    def add(
+        self,
+        index: int,
+        arrays: Mapping[str, npt.NDArray[Any]],
+        processor: str | None = None,
+    ) -> None:
         """Keep the results of a block; they survive whatever ends the process.
 
         Parameters
@@ -106,13 +113,15 @@ class AtlasWriter:
             Number of the block.
         arrays
             One array for every quantity and error companion.
+        processor
+            What computed them; that of this machine if None.
 
         Raises
         ------
         FileError
             If the disk is full or fails; the finished blocks are kept.
         """
-        self._blocks.add(index, arrays)
+        self._blocks.add(index, arrays, processor or jit.processor())
 
     def assemble(self) -> None:
         """Write the result file from the blocks, all of which must be finished.
@@ -125,10 +134,12 @@ class AtlasWriter:
         FileUsageError
             If the output has come into existence in the meantime.
         """
-        self._file.write(
-            self._blocks.path / ASSEMBLED,
+        processors = (processor for _, processor in self._finished_blocks())
+        attributes = {**self._file.attributes, "processor": joined(processors)}
+        dataclasses.replace(self._file, attributes=attributes).write(
+            self._blocks.assembled,
             self.output,
-            self._records(),
+            (records for records, _ in self._finished_blocks()),
             overwrite=self._overwrite,
             kept="all finished blocks are kept, --resume goes on with them",
         )
@@ -145,16 +156,16 @@ class AtlasWriter:
     ) -> None:
         self._blocks.close()
 
-    def _records(self) -> Iterator[npt.NDArray[Any]]:
-        """Yield the records of every block, in their order."""
+    def _finished_blocks(self) -> Iterator[tuple[npt.NDArray[Any], str]]:
+        """Yield the records of every block, and what computed it, in their order."""
         for index in range(len(self._ranges)):
-            records = self._blocks.read(index)
-            if records is None:
+            found = self._blocks.read(index)
+            if found is None:
                 raise FileError(
                     self._blocks.path,
                     f"block {index} is missing or damaged; --resume computes it again",
                 )
-            yield records
+            yield found
 
 
 def is_complete(
