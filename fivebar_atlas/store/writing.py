@@ -13,7 +13,6 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
-from fivebar_atlas import jit
 from fivebar_atlas.errors import AtlasError, FileError
 from fivebar_atlas.mechanisms.arrays import FloatArray
 from fivebar_atlas.mechanisms.settings import SweepSettings
@@ -121,6 +120,8 @@ class AtlasWriter:
         FileError
             If the disk is full or fails; the finished blocks are kept.
         """
+        from fivebar_atlas import jit  # which loads numba: reading files must not wait for that
+
         self._blocks.add(index, arrays, processor or jit.processor())
 
     def assemble(self) -> None:
