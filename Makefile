@@ -59,8 +59,8 @@ check: $(VENV)/.extra-test,check ## Lint, formatting, types and the layer contra
 	$(BIN)/lint-imports
 
 .PHONY: test
-test: $(VENV)/.extra-test ## Run the test suite
-	$(BIN)/python -m pytest
+test: $(VENV)/.extra-test ## Run the test suite, on all cores
+	$(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadfile
 
 .PHONY: test-nojit
 test-nojit: $(VENV)/.extra-test ## Run the kernels as plain Python on small inputs, with coverage

@@ -191,6 +191,9 @@ def _connect(
         import distributed
     except ImportError:
         raise MissingExtraError("the executor dask", "cluster") from None
+    # What happens to scheduler and workers is told by errors, not by the logs of Dask.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     if scheduler is None and scheduler_file is None:
         cluster = None
         try:
@@ -202,7 +205,6 @@ def _connect(
                     # no pages for browsers, and whatever port is free
                     dashboard_address=":0",
                     scheduler_kwargs={"dashboard": False},
-                    # what workers do is told by errors, not by their logs
                     silence_logs=logging.CRITICAL,
                     preload=_IGNORE_INTERRUPTS,
                 )
