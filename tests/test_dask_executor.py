@@ -8,6 +8,7 @@ import os
 import signal
 import socket
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -134,3 +135,40 @@ def test_cluster_that_runs_already_is_used_and_left_alone(
         with DaskExecutor(same_everywhere, **choice) as other:
             assert sorted(other.run(square, range(4))) == [(0, 0), (1, 1), (2, 4), (3, 9)]
     assert len(list(executor.run(square, range(4)))) == 4
+
+
+def test_scheduler_that_goes_is_one_error() -> None:
+    import distributed
+
+    cluster = distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50
+    )
+    with DaskExecutor(same_everywhere, scheduler=cluster.scheduler_address) as other:
+        found = other.run(wait_a_little, range(10_000))
+        next(found)
+        cluster.close()
+        with pytest.raises(ClusterError, match="the scheduler has gone"):
+            list(found)
+
+
+def wait_a_little(number: int) -> int:
+    time.sleep(0.01)
+    return number
+
+
+def test_worker_that_came_later_is_compared_and_named(executor: DaskExecutor) -> None:
+    """Here with a probe that changes its mind once the workers have been compared."""
+    address = executor._client.scheduler.address
+    with DaskExecutor(same_everywhere, scheduler=address) as other:
+        other._probe = functools.partial(of_this_process, os.getpid())
+        with pytest.raises(ClusterError, match=r"worker tcp://\S+ has version old, this machine 1"):
+            list(other.run(square, range(4)))
+        other._probe = broken_probe
+        with pytest.raises(
+            ClusterError, match=r"tcp://\S+ cannot do the work: ValueError: no such"
+        ):
+            list(other.run(square, range(4)))
+
+
+def broken_probe() -> dict[str, str]:
+    raise ValueError("no such mechanism")

@@ -358,6 +358,22 @@ def test_interrupted_overwriting_leaves_the_old_file(
         np.testing.assert_array_equal(opened["a"], np.arange(201) / 200)
 
 
+def test_blocks_of_another_sweep_are_never_taken_for_own(
+    interrupted: Path, toy: str, start: Start, atlas: Command, tmp_path: Path
+) -> None:
+    """As two sweeps on one output would mix theirs in a folder without locks."""
+    other = tmp_path / "other"
+    other.mkdir()
+    options = (*TOY[:2], "--resolution", 200, "--mode", "all", "--lci", 0.3, "--lci", 0.6)
+    strange = end_in_the_middle(start, other, toy, options, signal.SIGKILL)[0]
+    for block in blocks(strange):
+        shutil.copy(block, interrupted.with_name("atlas.h5.partial"))
+    assert atlas("sweep", *TOY, "-o", interrupted, "--resume").code == 0
+    whole = tmp_path / "whole.h5"
+    assert atlas("sweep", *TOY, "-o", whole).code == 0
+    assert_same_data(interrupted, whole)
+
+
 def test_second_sweep_on_the_same_output_is_kept_out(
     toy: str, start: Start, refused: Callable[..., str], tmp_path: Path
 ) -> None:
