@@ -184,6 +184,9 @@ def test_processors_of_all_parts_are_named(
     merge(paths, tmp_path / "merged.h5")
     with open_atlas(tmp_path / "merged.h5") as atlas:
         assert atlas.attributes["processor"] == "new-2, old-1"
+    command = ["merge", *map(str, paths), "-o", str(tmp_path / "again.h5")]
+    said = CliRunner().invoke(main, command, catch_exceptions=False).output
+    assert "several kinds of processors (new-2, old-1)" in said
 
 
 def test_more_parts_than_files_may_be_open(

@@ -27,11 +27,21 @@ def merge(parts: tuple[str, ...], output: Path, overwrite: bool, quiet: bool) ->
     then those of the sweep in one run, bit for bit.
     """
     from fivebar_atlas.store import merge as merge_parts
+    from fivebar_atlas.store import open_atlas
 
     command_line = shlex.join(["atlas", *sys.argv[1:]])
     with Progress(0, quiet=quiet) as progress:
         count = merge_parts(
             parts, output, overwrite=overwrite, command_line=command_line, report=progress.reach
         )
-    if not quiet:
-        click.echo(f"{output}: {count:,} designs from {len(parts)} parts", err=True)
+    if quiet:
+        return
+    click.echo(f"{output}: {count:,} designs from {len(parts)} parts", err=True)
+    with open_atlas(output) as atlas:
+        processors = str(atlas.attributes["processor"])
+    if ", " in processors:
+        click.echo(
+            f"the parts were computed on several kinds of processors ({processors}): the last "
+            "digits may differ from those of a run on one kind",
+            err=True,
+        )
