@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import logging
 import os
 import signal
 import socket
@@ -141,7 +142,11 @@ def test_scheduler_that_goes_is_one_error() -> None:
     import distributed
 
     cluster = distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50
+        n_workers=1,
+        threads_per_worker=1,
+        dashboard_address=":0",
+        scheduler_kwargs={"dashboard": False},
+        silence_logs=logging.CRITICAL,
     )
     with DaskExecutor(same_everywhere, scheduler=cluster.scheduler_address) as other:
         found = other.run(wait_a_little, range(10_000))
