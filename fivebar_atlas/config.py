@@ -290,6 +290,16 @@ def _dotted_keys(model: type[BaseModel]) -> Iterator[str]:
             yield key
 
 
+def _without_overridden(run: RunSection, overrides: Overrides) -> RunSection:
+    """Return what a file says of running, without what a choice on the command line replaces."""
+    dropped: tuple[str, ...] = ()
+    if overrides.scheduler is not None or overrides.scheduler_file is not None:
+        dropped = ("executor", "scheduler", "scheduler_file")
+    elif overrides.executor is not None:
+        dropped = ("scheduler", "scheduler_file") if overrides.executor != EXECUTORS[1] else ()
+    return run.model_copy(update=dict.fromkeys(dropped))
+
+
 def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Configuration:
     """Return the configuration, each value checked under the name the user gave it by."""
 
@@ -335,6 +345,7 @@ def _merge(file: ConfigurationFile, source: str, overrides: Overrides) -> Config
     if output is not None and not output.strip():
         raise InputError(name, output, "the path of a result file")
 
+    run = _without_overridden(run, overrides)
     executor, name = pick("executor", overrides.executor, run.executor, None)
     scheduler, address = pick("scheduler", overrides.scheduler, run.scheduler, None)
     given = overrides.scheduler_file

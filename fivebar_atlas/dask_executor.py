@@ -215,16 +215,21 @@ def _connect(
             raise ClusterError(f"no cluster could be started on this machine: {error}") from None
     if scheduler_file is not None:
         scheduler = _address(Path(scheduler_file), patience)
+    began = time.monotonic()
     try:
         return distributed.Client(scheduler, timeout=patience), None
-    except (OSError, TimeoutError) as error:
-        raise ClusterError(
-            f"the scheduler {scheduler} was not reached in {patience:g} s ({error}); is it "
-            "running, is the address right, and does no firewall stand between?"
-        ) from None
     except ValueError as error:
         raise InputError(
-            "scheduler", scheduler, f"an address such as tcp://10.0.0.1:8786 ({error})"
+            "--scheduler", scheduler, f"an address such as tcp://10.0.0.1:8786 ({error})"
+        ) from None
+    except (OSError, TypeError, MemoryError, RuntimeError) as error:
+        # the last three where something else than a scheduler answers, or tls is not set up
+        where = f" (of {scheduler_file})" if scheduler_file else ""
+        said = " ".join(str(error).split()) or type(error).__name__
+        raise ClusterError(
+            f"the scheduler {scheduler}{where} was not reached in "
+            f"{time.monotonic() - began:.0f} s ({said}); is it running, is this its address and "
+            "not that of its dashboard, and does no firewall stand between?"
         ) from None
 
 

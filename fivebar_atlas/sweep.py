@@ -29,6 +29,9 @@ _BLOCKS = 128
 _FEWEST_DESIGNS = 16
 _MOST_DESIGNS = 1024
 
+# No sweep has more parts than that many digits can say.
+_MOST_DIGITS = 9
+
 # So many blocks are named where some could not be computed; and so many failures without a
 # single block that can be computed end the sweep.
 _SHOWN, _MOST_FAILURES = 5, 8
@@ -59,7 +62,9 @@ class Shard:
             Under this name, if it stands for none.
         """
         parts = [part.strip() for part in text.split("/")]
-        if len(parts) == 2 and all(part.isascii() and part.isdecimal() for part in parts):
+        if len(parts) == 2 and all(
+            part.isascii() and part.isdecimal() and len(part) <= _MOST_DIGITS for part in parts
+        ):
             number, count = map(int, parts)
             if 1 <= number <= count:
                 return cls(number, count)

@@ -329,6 +329,14 @@ def _check_manifest(path: Path, found: Mapping[str, Any], wanted: Mapping[str, A
             f"{added or 'without that'}); "
             "--overwrite without --resume starts again",
         )
+    if found.get("part") != wanted.get("part"):
+        theirs, ours = (
+            f"part {each['part']}" if each.get("part") else "a whole sweep"
+            for each in (found, wanted)
+        )
+        raise FileUsageError(
+            path, f"holds blocks of {theirs}, not of {ours}; give each a file of its own"
+        )
     different = [key for key in wanted if found.get(key) != wanted[key]]
     if different:
         changes = ", ".join(

@@ -73,6 +73,24 @@ def test_command_line_wins_over_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("overrides", "expected"),
+    [
+        (Overrides(), ("dask", "tcp://one:8786", None)),
+        (Overrides(executor="threads"), ("threads", None, None)),
+        (Overrides(scheduler="tcp://two:8786"), ("dask", "tcp://two:8786", None)),
+        (Overrides(scheduler_file="two.json"), ("dask", None, "two.json")),
+        (Overrides(executor="dask"), ("dask", "tcp://one:8786", None)),
+    ],
+)
+def test_a_cluster_on_the_command_line_replaces_that_of_the_file(
+    tmp_path: Path, overrides: Overrides, expected: tuple[str | None, ...]
+) -> None:
+    file = write(tmp_path, '[run]\nexecutor = "dask"\nscheduler = "tcp://one:8786"\n')
+    found = config.resolve(file, overrides)
+    assert (found.executor, found.scheduler, found.scheduler_file) == expected
+
+
+@pytest.mark.parametrize(
     ("text", "key", "nearest"),
     [
         ("[sweep]\nresolutoin = 5", "sweep.resolutoin", "sweep.resolution"),

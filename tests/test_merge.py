@@ -147,6 +147,22 @@ def test_designs_of_another_lattice_are_refused(tmp_path: Path, parts: list[Path
     assert not (tmp_path / "merged.h5").exists()
 
 
+@pytest.mark.parametrize("label", ["0/3", "5/3", "x", "1/2/3"])
+def test_labels_that_are_none_are_refused(tmp_path: Path, parts: list[Path], label: str) -> None:
+    with h5py.File(parts[1], "r+") as file:
+        file.attrs["part"] = label
+    with pytest.raises(FileError, match=r"part-2\.h5: is damaged"):
+        merge(parts, tmp_path / "merged.h5")
+
+
+def test_ranges_that_are_none_are_refused(tmp_path: Path, parts: list[Path]) -> None:
+    with h5py.File(parts[1], "r+") as file:
+        del file["block_start"]
+        file["block_start"] = 3
+    with pytest.raises(FileError, match=r"part-2\.h5: is damaged"):
+        merge(parts, tmp_path / "merged.h5")
+
+
 def test_attributes_of_others_are_ignored(
     tmp_path: Path, toy_settings: SweepSettings, parts: list[Path]
 ) -> None:
@@ -244,7 +260,9 @@ def test_existing_output_stays(tmp_path: Path, parts: list[Path]) -> None:
     assert output.read_text() == "mine"
 
 
-@pytest.mark.parametrize("text", ["0/3", "4/3", "1/0", "1", "a/b", "1/2/3", "-1/3", "1.5/3", ""])
+@pytest.mark.parametrize(
+    "text", ["0/3", "4/3", "1/0", "1", "a/b", "1/2/3", "-1/3", "1.5/3", "", "1/" + 5000 * "9"]
+)
 def test_shard_out_of_range_is_refused(text: str) -> None:
     with pytest.raises(InputError, match="the i-th of n parts"):
         Shard.parse(text)

@@ -279,6 +279,15 @@ def test_resuming_with_a_damaged_manifest_is_refused(
     assert [path.read_bytes() for path in blocks(interrupted)] == before
 
 
+def test_blocks_of_a_whole_sweep_are_not_those_of_a_part(
+    interrupted: Path, refused: Callable[..., str]
+) -> None:
+    before = blocks(interrupted)
+    message = refused("sweep", *TOY, "-o", interrupted, "--shard", "1/2", "--resume")
+    assert "holds blocks of a whole sweep, not of part 1/2" in message
+    assert blocks(interrupted) == before
+
+
 def test_kernels_that_changed_are_noticed(
     interrupted: Path, refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

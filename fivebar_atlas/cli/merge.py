@@ -36,7 +36,7 @@ def merge(parts: tuple[str, ...], output: Path, overwrite: bool, quiet: bool) ->
         )
     if quiet:
         return
-    click.echo(f"{output}: {count:,} designs from {len(parts)} parts", err=True)
+    click.echo(f"{output}: {count:,} designs from {_parts(len(parts))}", err=True)
     with open_atlas(output) as atlas:
         processors = str(atlas.attributes["processor"])
     if ", " in processors:
@@ -45,3 +45,8 @@ def merge(parts: tuple[str, ...], output: Path, overwrite: bool, quiet: bool) ->
             "digits may differ from those of a run on one kind",
             err=True,
         )
+
+
+def _parts(count: int) -> str:
+    """Return how many parts there are, in words."""
+    return "1 part" if count == 1 else f"{count:,} parts"

@@ -60,10 +60,16 @@ class Part:
             with reading(path):
                 arrays = self.mechanism.result_arrays(self.settings)
                 check_datasets(path, self._file, self.mechanism, arrays, self.settings)
+                for name in ("part", "sweep_designs"):
+                    if name not in self.attributes:
+                        raise FileError(path, f"is damaged: it does not say its {name}")
                 self.number, self.count = map(int, str(self.attributes["part"]).split("/"))
                 self.designs = int(self.attributes["sweep_designs"])
                 starts, stops = (self._file[name][...].tolist() for name in RANGES)
-            self.ranges: tuple[Range, ...] = tuple(zip(starts, stops, strict=True))
+                self.ranges: tuple[Range, ...] = tuple(zip(starts, stops, strict=True))
+            if not 1 <= self.number <= self.count:
+                said = self.attributes["part"]
+                raise FileError(path, f"is damaged: it says that it is part {said}")
             # where the designs of each block begin in the file
             lengths = [stop - start for start, stop in self.ranges]
             self._places = np.concatenate([[0], np.cumsum(lengths)]).tolist()
