@@ -14,7 +14,10 @@ import contextlib
 import functools
 import json
 import logging
+import signal
+import threading
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import islice
 from pathlib import Path
@@ -41,8 +44,7 @@ _EMPTY_LOOKS = 12
 # How often it is looked for a scheduler's file, in seconds.
 _LOOK_FOR_FILE = 0.2
 
-# What workers of our own run first: an interrupt at the terminal reaches them, too, but it is
-# the sweep that ends them.
+# What workers of our own run first: those that replace others inherit nothing of that kind.
 _IGNORE_INTERRUPTS = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
 
 Versions = Mapping[str, str]
@@ -197,7 +199,10 @@ def _connect(
     if scheduler is None and scheduler_file is None:
         cluster = None
         try:
-            with dask.config.set({"distributed.scheduler.allowed-failures": DEATHS}):
+            with (
+                _interrupts_ignored(),
+                dask.config.set({"distributed.scheduler.allowed-failures": DEATHS}),
+            ):
                 cluster = distributed.LocalCluster(
                     n_workers=usable_cores() if workers is None else workers,
                     threads_per_worker=1,
@@ -217,7 +222,10 @@ def _connect(
         scheduler = _address(Path(scheduler_file), patience)
     began = time.monotonic()
     try:
-        return distributed.Client(scheduler, timeout=patience), None
+        with warnings.catch_warnings():
+            # other versions, of which only some matter, are compared afterwards
+            warnings.simplefilter("ignore")
+            return distributed.Client(scheduler, timeout=patience), None
     except ValueError as error:
         raise InputError(
             "--scheduler", scheduler, f"an address such as tcp://10.0.0.1:8786 ({error})"
@@ -231,6 +239,22 @@ def _connect(
             f"{time.monotonic() - began:.0f} s ({said}); is it running, is this its address and "
             "not that of its dashboard, and does no firewall stand between?"
         ) from None
+
+
+@contextlib.contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Start processes that ignore interrupts, as they inherit from this one.
+
+    An interrupt at the terminal goes to all processes, but it is the sweep that ends its workers.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _address(path: Path, patience: float) -> str:
