@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import socket
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
@@ -96,6 +97,16 @@ def unwritable(path: object, error: OSError, kept: str = "") -> FileError:
     return FileError(path, f"cannot be written: {reason}" + (f"; {kept}" if kept else ""))
 
 
+def of_this_process() -> str:
+    """Return a name that no other process has that is at work now, here or on another machine."""
+    return f"{socket.gethostname()}-{os.getpid()}"
+
+
+def temporary_name(path: Path) -> Path:
+    """Return the name, of this process alone, that a file has until it is complete."""
+    return path.with_name(f".{path.stem}.{of_this_process()}.part{path.suffix}")
+
+
 def put_in_place(temporary: Path, path: Path, overwrite: bool) -> None:
     """Give a finished and flushed file its final name, in one step.
 
@@ -177,7 +188,7 @@ def atomic_output(path: Path, overwrite: bool) -> Iterator[Path]:
         If the file cannot be written; whatever had the final name is untouched.
     """
     check_output(path, overwrite)
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    temporary = temporary_name(path)
     try:
         yield temporary
         with temporary.open("rb+") as file:

@@ -13,7 +13,6 @@ import contextlib
 import io
 import json
 import os
-import socket
 import sys
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fivebar_atlas.errors import FileError, FileUsageError
-from fivebar_atlas.output_file import flush_folder, unwritable
+from fivebar_atlas.output_file import flush_folder, of_this_process, unwritable
 
 #: Version of the layout of the folder.
 LAYOUT = 2
@@ -125,7 +124,7 @@ class UnfinishedSweep:
     @property
     def assembled(self) -> Path:
         """A name for the result file while it is assembled, of this process alone."""
-        return self.path / f"{_ASSEMBLED}{socket.gethostname()}-{os.getpid()}.h5"
+        return self.path / f"{_ASSEMBLED}{of_this_process()}.h5"
 
     def add(self, index: int, arrays: Mapping[str, npt.NDArray[Any]], processor: str) -> None:
         """Keep a finished block.

@@ -148,15 +148,20 @@ def part_contents(path: Path) -> dict[str, object]:
         return {**part.attributes, "records": records, "ranges": part.ranges}
 
 
-@pytest.mark.parametrize("kind", ["atlas", "part"])
-def test_flipped_bits_in_a_file_never_pass_unnoticed(
-    tmp_path: Path, toy_settings: SweepSettings, kind: str
-) -> None:
+Written = tuple[Path, Callable[[Path], dict[str, object]]]
+
+
+@pytest.fixture(params=["atlas", "part"])
+def written(request: pytest.FixtureRequest, tmp_path: Path, toy_settings: SweepSettings) -> Written:
+    """Return a file of either kind, and what reads everything in it."""
+    if request.param == "atlas":
+        return write(tmp_path / "toy.h5", toy_settings), contents
+    return write_part(tmp_path / "1.h5", toy_settings, Shard(1, 2)), part_contents
+
+
+def test_flipped_bits_in_a_file_never_pass_unnoticed(tmp_path: Path, written: Written) -> None:
     """Whatever bit flips: either all is as it was written, or there is an error."""
-    if kind == "atlas":
-        output, read = write(tmp_path / "toy.h5", toy_settings), contents
-    else:
-        output, read = write_part(tmp_path / "1.h5", toy_settings, Shard(1, 2)), part_contents
+    output, read = written
     expected = read(output)
     data, places, noticed = output.read_bytes(), random.Random(1), 0
     flipped = tmp_path / "flipped.h5"
@@ -173,14 +178,8 @@ def test_flipped_bits_in_a_file_never_pass_unnoticed(
     assert noticed > 950
 
 
-@pytest.mark.parametrize("kind", ["atlas", "part"])
-def test_truncated_files_never_pass_unnoticed(
-    tmp_path: Path, toy_settings: SweepSettings, kind: str
-) -> None:
-    if kind == "atlas":
-        output, read = write(tmp_path / "toy.h5", toy_settings), contents
-    else:
-        output, read = write_part(tmp_path / "1.h5", toy_settings, Shard(1, 2)), part_contents
+def test_truncated_files_never_pass_unnoticed(written: Written) -> None:
+    output, read = written
     expected = read(output)
     data, lengths = output.read_bytes(), random.Random(2)
     for length in [0, 1, len(data) - 1, *(lengths.randrange(len(data)) for _ in range(100))]:

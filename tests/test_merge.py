@@ -174,10 +174,13 @@ def test_attributes_of_others_are_ignored(
     assert_same_data(write(tmp_path / "whole.h5", toy_settings), tmp_path / "merged.h5")
 
 
-def test_attributes_that_must_be_there_are_named(tmp_path: Path, parts: list[Path]) -> None:
+@pytest.mark.parametrize("name", ["source_hash", "sweep_designs", "package_version", "processor"])
+def test_attributes_that_must_be_there_are_named(
+    tmp_path: Path, parts: list[Path], name: str
+) -> None:
     with h5py.File(parts[1], "r+") as file:
-        del file.attrs["source_hash"]
-    with pytest.raises(FileError, match=r"part-2\.h5: is damaged: it does not say its source_hash"):
+        del file.attrs[name]
+    with pytest.raises(FileError, match=rf"part-2\.h5: is damaged: it does not say its {name}"):
         merge(parts, tmp_path / "merged.h5")
 
 

@@ -94,7 +94,7 @@ class ResultFile:
             If the output has come into existence in the meantime.
         """
         try:
-            with temporary.open("x+b", buffering=0) as file:
+            with temporary.open("w+b", buffering=0) as file:
                 guarded = GuardedFile(file)
                 guarded.run(lambda: self._write_hdf5(guarded, records))
                 guarded.check()

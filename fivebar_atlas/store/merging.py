@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from fivebar_atlas.errors import FileError, FileUsageError
 from fivebar_atlas.mechanisms.arrays import FloatArray
-from fivebar_atlas.output_file import check_is_no_input, check_output
+from fivebar_atlas.output_file import check_is_no_input, check_output, temporary_name
 from fivebar_atlas.store.assembly import ResultFile
 from fivebar_atlas.store.parts import Part
 from fivebar_atlas.store.provenance import identity, joined, provenance
@@ -90,9 +90,8 @@ def merge(
             ),
         }
         file = ResultFile(first.settings, designs, attributes)
-        temporary = output.with_name(f".{output.stem}.{os.getpid()}.part{output.suffix}")
         records = _records(order, len(designs), report)
-        file.write(temporary, output, records, overwrite=overwrite)
+        file.write(temporary_name(output), output, records, overwrite=overwrite)
     return len(designs)
 
 

@@ -60,7 +60,7 @@ class Part:
             with reading(path):
                 arrays = self.mechanism.result_arrays(self.settings)
                 check_datasets(path, self._file, self.mechanism, arrays, self.settings)
-                for name in ("part", "sweep_designs"):
+                for name in ("part", "sweep_designs", "package_version", "processor"):
                     if name not in self.attributes:
                         raise FileError(path, f"is damaged: it does not say its {name}")
                 self.number, self.count = map(int, str(self.attributes["part"]).split("/"))
